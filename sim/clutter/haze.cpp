@@ -57,13 +57,7 @@ Haze::Haze(const ScannedTissue& tissue,
       speckle_(homogeneous_speckle(optics, seed_of_haze(options.seed))) {}
 
 std::shared_ptr<const HazeVolume> Haze::volume(std::uint32_t number) const {
-  const std::scoped_lock lock(mutex_);
-  for (const auto& kept : recent_) {
-    if (kept->number() == number) return kept;
-  }
-  if (static_cast<int>(recent_.size()) == kRecent) recent_.erase(recent_.begin());
-  recent_.push_back(std::make_shared<const HazeVolume>(*this, number));
-  return recent_.back();
+  return recent_.of(number, [&] { return std::make_shared<const HazeVolume>(*this, number); });
 }
 
 void Haze::add(const HazeVolume& volume,

@@ -4,7 +4,6 @@
 #include <complex>
 #include <cstdint>
 #include <memory>
-#include <mutex>
 #include <span>
 #include <vector>
 
@@ -12,6 +11,7 @@
 #include "sim/losses/stick_losses.h"
 #include "sim/optics/probe_optics.h"
 #include "sim/options.h"
+#include "sim/recent_volumes.h"
 #include "sim/speckle/iq_field.h"
 #include "sim/tissue/scanned_tissue.h"
 
@@ -33,9 +33,6 @@ class Haze {
        const SimulationOptions& options,
        double depth_m);
 
-  /// Number of volumes kept, as in ApertureLosses.
-  static constexpr int kRecent = 3;
-
   /// The haze of a volume, shared between calls. The first call computes it while others wait.
   std::shared_ptr<const HazeVolume> volume(std::uint32_t number) const;
 
@@ -53,8 +50,7 @@ class Haze {
   double depth_m_;
   double spacing_m_;
   IqField speckle_;  ///< of unit power
-  mutable std::mutex mutex_;
-  mutable std::vector<std::shared_ptr<const HazeVolume>> recent_;
+  mutable RecentVolumes<HazeVolume> recent_;
 };
 
 /// Amplitude of the haze on some sticks of a volume, at equidistant ranges.

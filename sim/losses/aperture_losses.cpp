@@ -43,13 +43,8 @@ double ApertureLosses::bytes(const hw::AcquisitionPlan& plan, double depth_m, in
 }
 
 std::shared_ptr<const VolumeCorrections> ApertureLosses::volume(std::uint32_t number) const {
-  const std::scoped_lock lock(mutex_);
-  for (const auto& kept : recent_) {
-    if (kept->number() == number) return kept;
-  }
-  if (static_cast<int>(recent_.size()) == kRecent) recent_.erase(recent_.begin());
-  recent_.push_back(std::make_shared<const VolumeCorrections>(*this, number));
-  return recent_.back();
+  return recent_.of(number,
+                    [&] { return std::make_shared<const VolumeCorrections>(*this, number); });
 }
 
 /// Computes the corrections of a volume in three steps; each needs the results of the step before

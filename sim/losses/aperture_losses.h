@@ -3,7 +3,6 @@
 
 #include <cstdint>
 #include <memory>
-#include <mutex>
 #include <span>
 #include <vector>
 
@@ -11,6 +10,7 @@
 #include "sim/losses/loss_table.h"
 #include "sim/losses/losses.h"
 #include "sim/losses/stick_losses.h"
+#include "sim/recent_volumes.h"
 #include "sim/tissue/scanned_tissue.h"
 
 namespace wobblebench::sim {
@@ -29,9 +29,6 @@ class ApertureLosses {
                  const ProbeOptics& optics,
                  const SimulationOptions& options,
                  double depth_m);
-
-  /// Number of volumes kept: a thread may still work on one when another begins the next.
-  static constexpr int kRecent = 3;
 
   /// Bytes for `kept` volumes and for the computation of one.
   static double bytes(const hw::AcquisitionPlan& plan, double depth_m, int kept);
@@ -54,8 +51,7 @@ class ApertureLosses {
   LossGrid grid_;
   ApertureCone cone_;
   BeamSection section_;
-  mutable std::mutex mutex_;
-  mutable std::vector<std::shared_ptr<const VolumeCorrections>> recent_;
+  mutable RecentVolumes<VolumeCorrections> recent_;
 };
 
 /// Corrections of one volume.

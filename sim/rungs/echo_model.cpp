@@ -133,7 +133,7 @@ EchoMemory iq_memory(const hw::AcquisitionPlan& plan,
                      double model_bytes) {
   const bool repeat = volumes_repeat(plan, tissue_moves);
   if (options.clutter.has_haze()) model_bytes += iq_bytes(plan);  // its speckle
-  const int kept = repeat ? 1 : ApertureLosses::kRecent;
+  const int kept = repeat ? 1 : RecentVolumes<VolumeCorrections>::kKept;
   const double losses =
       options.aperture_losses ? ApertureLosses::bytes(plan, deepest_m(plan, options), kept) : 0;
   if (repeat) return {model_bytes + iq_bytes(plan) + losses, iq_bytes(plan)};
