@@ -65,27 +65,35 @@ void IgtlServer::wait_for_clients(int count) {
   changed_.wait(lock, [&] { return clients_.size() >= static_cast<std::size_t>(count); });
 }
 
-void IgtlServer::greet(std::shared_ptr<const std::string> message) {
-  send("", message);
-  const std::lock_guard lock(mutex_);
-  greeting_ = std::move(message);
+void IgtlServer::greet(const std::shared_ptr<const std::string>& message) {
+  {
+    // In one step, so that a client that connects meanwhile gets it, and gets it once.
+    const std::lock_guard lock(mutex_);
+    greeting_ = message;
+    place_for_all("", message);
+  }
+  wake();
 }
 
 void IgtlServer::send(const std::string& place, const std::shared_ptr<const std::string>& message) {
   {
     const std::lock_guard lock(mutex_);
-    for (Client& client : clients_) {
-      const auto found =
-          std::ranges::find(client.waiting, place, &std::pair<std::string, Message>::first);
-      if (found == client.waiting.end()) {
-        client.waiting.emplace_back(place, message);
-      } else {
-        found->second = message;
-        ++client.report.replaced;
-      }
-    }
+    place_for_all(place, message);
   }
   wake();
+}
+
+void IgtlServer::place_for_all(const std::string& place, const Message& message) {
+  for (Client& client : clients_) {
+    const auto found =
+        std::ranges::find(client.waiting, place, &std::pair<std::string, Message>::first);
+    if (found == client.waiting.end()) {
+      client.waiting.emplace_back(place, message);
+    } else {
+      found->second = message;
+      ++client.report.replaced;
+    }
+  }
 }
 
 void IgtlServer::serve() {

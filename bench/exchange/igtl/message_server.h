@@ -53,7 +53,7 @@ class IgtlServer {
   bool has_clients() const;
   void wait_for_clients(int count);
   /// What each client gets first: those that are connected now, those that connect later at once.
-  void greet(std::shared_ptr<const std::string> message);
+  void greet(const std::shared_ptr<const std::string>& message);
   void send(const std::string& place, const std::shared_ptr<const std::string>& message);
 
   /// Waits while clients take what waits, until none has taken a byte for `patience`, and closes.
@@ -73,6 +73,7 @@ class IgtlServer {
   };
 
   void serve();
+  void place_for_all(const std::string& place, const Message& message);  // `mutex_` is held
   void accept_client();
   void work(Client& client, short events);
   void read_and_ignore(Client& client);
