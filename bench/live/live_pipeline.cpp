@@ -142,8 +142,9 @@ void LivePipeline::run(LiveServer& server) {
   encoder_ = std::make_unique<Worker>([this](const SharedPicture& picture) { encode(*picture); });
   start_analysis();
   while (!stop_requested()) {
-    if (panel_.is_scan_wanted() && !try_to_connect()) continue;
+    // Taken first, so that a scan that is asked for while this one is prepared ends its stream.
     const LiveOrders orders = panel_.orders();
+    if (panel_.is_scan_wanted() && !try_to_connect()) continue;
     if (!is_watched()) {
       panel_.set_stage("waiting");
       std::this_thread::sleep_for(kPausedWait);

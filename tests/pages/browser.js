@@ -14,7 +14,7 @@ const axeScript = readFileSync(require.resolve('axe-core/axe.min.js'), 'utf8');
 
 export const desktop = {width: 1280, height: 900};
 export const phone = {width: 390, height: 844};
-const patience_ms = Number(process.env.PAGES_PATIENCE_MS ?? 120_000);  // for machines with other work
+export const patience_ms = Number(process.env.PAGES_PATIENCE_MS ?? 120_000);  // for machines with other work
 
 let browser;
 before(async () => {

@@ -6,7 +6,7 @@ import {readFileSync, writeFileSync} from 'node:fs';
 import {basename, join} from 'node:path';
 import {after} from 'node:test';
 
-import {linesOf, newPage, open, scratch} from './browser.js';
+import {linesOf, newPage, open, patience_ms, scratch} from './browser.js';
 
 /** Of this suite. */
 const suite = basename(process.argv[1], '_test.js');
@@ -86,11 +86,12 @@ export async function set(page, settings) {
 
 /** The saved scene of a picture of this state or a later one. */
 export async function savedOf(page, serial) {
-  for (;;) {
+  for (const end = Date.now() + patience_ms; Date.now() < end;) {
     const saved = await ask(page, {do: 'save'});
     if (saved.serial >= serial) return saved;
     await page.waitForTimeout(50);
   }
+  throw new Error(`no picture of state ${serial}`);
 }
 
 /** Whether `run` makes the picture of a saved scene, byte for byte. */

@@ -59,7 +59,7 @@ test('random states are saved as scenes that make the same picture', () => withL
   // Faces of one size, which are built once.
   const face = () => ['phantom.name="fetal_face"', 'phantom.voxel_mm=1.5', 'phantom.mouth_open_mm=6', `simulation.fidelity="${pick('geometry', 'field')}"`,
     `motion.velocity_mm_s=[${random(-9, 9)}, ${random(-9, 9)}, ${random(-9, 9)}]`, `motion.breath_amplitude_mm=${random(0, 4)}`,
-    `motion.head_turn_deg=${random(0, 20)}`, `motion.mouth_close_mm=${random(0, 6)}`];
+    `motion.head_turn_deg=${random(0, 20)}`, `motion.mouth_close_mm=${random(0, 5)}`];
   const sphere = () => ['phantom.name="sphere"', 'phantom.voxel_mm=2', `phantom.radius_mm=${random(15, 40)}`,
     `simulation.fidelity="${pick('geometry', 'field', 'scatterers')}"`, `simulation.seed=${Math.floor(random(1, 1000))}`,
     `acquisition.motor="${pick('stepped', 'continuous', 'alternating')}"`, `simulation.noise_db=${random(-60, -20)}`];
@@ -78,6 +78,16 @@ test('random states are saved as scenes that make the same picture', () => withL
     checkSaved(await savedOf(page, serial), `state_${i}`);
     assert.equal(await page.locator('#why:not([hidden])').count(), 0, await page.locator('#why').textContent());
     console.log(`state ${i}: ${JSON.stringify(await page.evaluate(() => decodeURIComponent(location.hash)))}`);
+  }
+}));
+
+test('a scan that is asked for while another one is prepared is played', () => withLive(async (page) => {
+  for (let i = 0; i < 12; ++i) {
+    await set(page, [`phantom.radius_mm=${20 + i}`]);
+    await page.waitForTimeout(15 * i);
+    const radius = `phantom.radius_mm=${20.5 + i}`;
+    const saved = await savedOf(page, await set(page, [radius]));
+    assert.match(saved.toml, new RegExp(`radius_mm = ${20.5 + i}`));
   }
 }));
 
