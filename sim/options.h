@@ -59,6 +59,9 @@ struct ClutterOptions {
   /// Standard deviation of tissue's backscatter over some millimetres; 0: uniform.
   double tissue_unevenness_db = 0;
   double tissue_grain_m = 6e-3;  ///< distance over which it varies
+  /// Depth behind fluid over which the variation in dB grows from none: skin is more even than
+  /// what lies below it.
+  double even_skin_m = 0;
 
   bool has_haze() const { return haze_db > kZeroAmplitude_db; }
   /// Whether anything of it depends on the seed.
@@ -172,6 +175,7 @@ void describe(O& o, Visitor& v) {
   v.real("particle_echo_db", o.particle_echo_db, 1, -120, 0);
   v.real("tissue_unevenness_db", o.tissue_unevenness_db, 1, 0, 20);
   v.real("tissue_grain_mm", o.tissue_grain_m, kMillimetre, 1, 50);
+  v.real("even_skin_mm", o.even_skin_m, kMillimetre, 0, 20);
 }
 
 template <OptionsOf<DisplayOptions> O, class Visitor>

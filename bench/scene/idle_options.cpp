@@ -191,7 +191,7 @@ const std::vector<Rule>& rules_of_simulation() {
        [](const Setting& s) {
          return s.models_beam() && s.scene.simulation.clutter.particles_per_cm3 > 0;
        }},
-      {{"simulation.clutter.tissue_grain_mm"},
+      {{"simulation.clutter.tissue_grain_mm", "simulation.clutter.even_skin_mm"},
        "simulation.clutter.tissue_unevenness_db above 0, on the rung field or higher",
        [](const Setting& s) {
          return s.models_beam() && s.scene.simulation.clutter.tissue_unevenness_db > 0;

@@ -89,7 +89,8 @@ void StickPropagation::add_specular_echoes(std::span<std::complex<float>> iq) co
 void StickPropagation::vary_tissue(std::span<std::complex<float>> iq) const {
   // Behind the last echo is at most the end of its pulse.
   constexpr std::size_t kPulse = 64;
-  uneven_.apply(line_, iq.first(std::min(iq.size(), losses_.remaining().size() + kPulse)));
+  uneven_.apply(
+      line_, track_, losses_, iq.first(std::min(iq.size(), losses_.remaining().size() + kPulse)));
 }
 
 void StickPropagation::add_clutter(std::span<std::complex<float>> iq) {

@@ -113,6 +113,7 @@ SceneKey = Literal[
     "simulation.clutter.particle_echo_db",
     "simulation.clutter.tissue_unevenness_db",
     "simulation.clutter.tissue_grain_mm",
+    "simulation.clutter.even_skin_mm",
     "simulation.display.line_filter",
     "simulation.display.persistence",
     "simulation.display.grey_bits",

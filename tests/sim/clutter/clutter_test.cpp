@@ -211,6 +211,48 @@ TEST(UnevenTissue, KeepsTheMeanPower) {
   EXPECT_NEAR(std::sqrt(square / static_cast<double>(blocks_db.size())), 4.1, 0.6);
 }
 
+/// Behind fluid the factor's standard deviation in dB grows linearly to its full value, and its
+/// mean power stays 1.
+TEST(UnevenTissue, GrowsBelowTheSkin) {
+  constexpr double kSigma_db = 8, kSkin_m = 12e-3;
+  const auto plane = phantoms::make_phantom({.name = "plane", .voxel_m = 2e-3});
+  const auto plan = plan_of(48, 24);
+  const double plane_z_m = plan.probe().radius_m + 30e-3;
+  const auto subject = phantoms::still_at(plane, {0, 0, plane_z_m});
+  for (const double depth_m : {0.3e-3, 3e-3, 9e-3, 15e-3, 30e-3}) {
+    double sum_db = 0, squares = 0;
+    int count = 0;
+    for (std::uint64_t seed = 1; seed <= 3; ++seed) {
+      auto options = bare(seed);
+      const auto even = ProbeSimulator(subject, plan, options).volume(0);
+      options.clutter.tissue_unevenness_db = kSigma_db;
+      options.clutter.tissue_grain_m = 4e-3;
+      options.clutter.even_skin_m = kSkin_m;
+      const auto uneven = ProbeSimulator(subject, plan, options).volume(0);
+      for (int i = 0; i < plan.sticks_per_volume(); ++i) {
+        const hw::Ray ray = stick_ray(plan, plan.index(static_cast<std::uint64_t>(i))).ray;
+        const double range_m = (plane_z_m - ray.origin.z) / ray.direction.z + depth_m;
+        const auto k = static_cast<int>(std::lround(range_m / plan.sample_spacing_m()));
+        if (k >= plan.acquisition().samples_per_stick) continue;
+        const auto at = static_cast<std::size_t>(i) * 1024 + static_cast<std::size_t>(k);
+        if (even[at] == 0) continue;
+        const double ratio = static_cast<double>(uneven[at]) / static_cast<double>(even[at]);
+        const double db = 20 * std::log10(ratio);
+        sum_db += db;
+        squares += db * db;
+        ++count;
+      }
+    }
+    ASSERT_GT(count, 2000);
+    const double sigma_db = kSigma_db * std::min(1.0, depth_m / kSkin_m);
+    const double mean_db = sum_db / count;
+    EXPECT_NEAR(std::sqrt(squares / count - mean_db * mean_db), sigma_db, 0.2 + 0.06 * sigma_db)
+        << depth_m;
+    // Of a log-normal amplitude whose mean square is 1; it is interpolated over half a grain.
+    EXPECT_NEAR(mean_db, -sigma_db * sigma_db * std::log(10.0) / 20, 0.1 + 0.12 * sigma_db);
+  }
+}
+
 TEST(SmoothNoise, HasUnitVarianceAndIsContinuous) {
   double sum = 0, squares = 0, apart = 0, step = 0;
   constexpr int kCount = 20000;
