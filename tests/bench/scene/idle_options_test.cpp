@@ -201,9 +201,14 @@ TEST_P(IdleSweep, NothingChangesWhereTheTableCallsAKeyIdle) {
     for (const std::string& other : other_values(value)) {
       const Settings settings = joined(base, {key + "=" + other});
       if (refused(settings)) continue;
-      tried = true;
       const bool is_idle = idle_keys(settings).contains(key);
-      const bool changes = outcomes.of(settings) != before;
+      bool changes = false;
+      try {
+        changes = outcomes.of(settings) != before;
+      } catch (const UserError&) {
+        continue;  // refused for this phantom
+      }
+      tried = true;
       changed |= changes;
       EXPECT_FALSE(is_idle && changes) << key << " = " << other << " is said to be idle, and acts";
       if (!is_idle && changes) break;
