@@ -9,6 +9,7 @@
 //
 // A visitor has:
 //   real(key, double& si_value, unit, min, max)   min and max in the key's unit: key mm, unit 1e-3
+//   real_or_auto(key, std::optional<double>& si_value, unit, min, max)   nullopt: "auto"
 //   reals(key, std::vector<double>& si_values, unit, min, max)   a list of any length
 //   vec3(key, glm::dvec3& si_values, unit, min, max)             three numbers
 //   integer(key, int& value, min, max)
@@ -25,6 +26,7 @@
 #include <cstdint>
 #include <glm/vec3.hpp>
 #include <initializer_list>
+#include <optional>
 #include <sstream>
 #include <stdexcept>
 #include <string>
@@ -34,6 +36,9 @@
 #include <vector>
 
 namespace wobblebench {
+
+/// As files write a value that the program chooses.
+inline constexpr std::string_view kAuto = "auto";
 
 /// `Options`, const or not: lets one describe() serve visitors that read and visitors that write.
 template <class T, class Options>
@@ -67,6 +72,13 @@ class OptionCheck {
 
   void real(std::string_view key, double value, double unit, double min, double max) {
     check_range(key, value / unit, min, max);
+  }
+  void real_or_auto(std::string_view key,
+                    const std::optional<double>& value,
+                    double unit,
+                    double min,
+                    double max) {
+    if (value) check_range(key, *value / unit, min, max);
   }
   void reals(std::string_view key,
              const std::vector<double>& values,

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <glm/vec3.hpp>
+#include <optional>
 #include <string_view>
 #include <vector>
 
@@ -163,9 +164,13 @@ struct RayCastingOptions {
   /// (render/reconstruction/echo_levels.h).
   double iso_level = 0.72;
   /// The found surface is moved away from the viewer by this length times the tangent of its
-  /// incidence to the beam: a beam sees tissue beside its axis before the surface on it. Half the
-  /// beam's width at the detector's level; 0: not.
-  double incidence_correction_m = 0;
+  /// incidence to the beam: a beam sees tissue beside its axis before the surface on it. 0: not;
+  /// nullopt: kShareOfWidth of the probe's beam width at the surface, in the direction in which
+  /// the surface is tilted (hw::BeamWidths).
+  std::optional<double> incidence_correction_m = 0;
+  /// Pieces of the surface of a smaller area across the view are left out
+  /// (render/passes/pieces.h); 0: none.
+  double smallest_piece_m2 = 0;
   int buffer_length = 8;  ///< n of Eq. (1), even
   /// n as a length along the ray, so that it does not depend on `steps`: the nearest even number of
   /// steps, 2 to 64. 0: buffer_length says it. Not both.
@@ -212,7 +217,8 @@ void describe(O& o, Visitor& v) {
            o.detector,
            {{"paper", Detector::paper}, {"iso", Detector::iso}, {"floor", Detector::floor}});
   v.real("iso_level", o.iso_level, 1, 0.05, 1.5);
-  v.real("incidence_correction_mm", o.incidence_correction_m, kMillimetre, 0, 10);
+  v.real_or_auto("incidence_correction_mm", o.incidence_correction_m, kMillimetre, 0, 10);
+  v.real("smallest_piece_mm2", o.smallest_piece_m2, kMillimetre * kMillimetre, 0, 10000);
   v.integer("buffer_length", o.buffer_length, 2, kLongestBuffer);
   v.real("buffer_length_mm", o.buffer_length_m, kMillimetre, 0, 1000);
   v.real("threshold", o.threshold, 1, -64, 64);

@@ -1,5 +1,7 @@
 #include "render/presets.h"
 
+#include <optional>
+
 namespace wobblebench::render {
 
 RenderOptions render_preset(RenderPreset preset) {
@@ -10,7 +12,8 @@ RenderOptions render_preset(RenderPreset preset) {
   options.ray_casting.steps = 256;
   options.ray_casting.detector = Detector::iso;
   options.ray_casting.iso_level = 0.72;
-  options.ray_casting.incidence_correction_m = 1.2e-3;
+  options.ray_casting.incidence_correction_m = std::nullopt;
+  options.ray_casting.smallest_piece_m2 = 10 * kMillimetre * kMillimetre;
   return options;
 }
 

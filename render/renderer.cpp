@@ -7,12 +7,14 @@
 #include <stdexcept>
 #include <utility>
 
+#include "hw/probe/beam_width.h"
 #include "hw/probe/polar_volume.h"
 #include "render/gl/fetch_count.h"
 #include "render/gl/host_state.h"
 #include "render/gl/objects.h"
 #include "render/gl/program.h"
 #include "render/gl/timer.h"
+#include "render/passes/pieces.h"
 #include "render/passes/ray_caster.h"
 #include "render/passes/slice_volume.h"
 #include "render/passes/smoother.h"
@@ -44,6 +46,18 @@ Image<float> download_depth(const Texture& depth) {
   return image;
 }
 
+/// The inverse, into a texture that is made where it has another size.
+void upload_depth(Image<float> depth_m, Texture& texture) {
+  for (float& z : depth_m.pixels) {
+    if (!(z >= 0)) z = kNoDepth;
+  }
+  if (!texture || texture.extent().width != depth_m.width) {
+    texture = Texture(
+        "replaced z", TexelFormat::r32f, {depth_m.width, depth_m.height}, TextureFilter::nearest);
+  }
+  texture.upload(depth_m.pixels);
+}
+
 /// Direction of the motor's rotation during the frame, as hw::AcquisitionPlan::sweep_direction; +1
 /// if it rests.
 int sweep_of(const hw::PolarFrame& frame) {
@@ -64,7 +78,7 @@ struct Renderer::Pipeline {
         frames(plan, options),
         incoming(factory.make()),
         ray_caster(make_ray_caster()),
-        incidence(factory.geometry(), options),
+        incidence(make_incidence(options)),
         surface_shader(options),
         smoother(options.smoothing, options.ray_casting.image_size, options.pipeline.mode) {
     if (!options.pipeline.mid_volume) complete = factory.make();
@@ -128,7 +142,19 @@ struct Renderer::Pipeline {
     has_cast = false;
     ray_caster.cast(complete ? *complete : *incoming);
     depth = &incidence.correct(ray_caster.depth());
+    drop_pieces();
     has_cast = !taps.depth;
+  }
+
+  /// On the CPU, which follows a piece wherever it goes; a shader would need a pass for each pixel
+  /// of its longest way.
+  void drop_pieces() {
+    if (options.ray_casting.smallest_piece_m2 == 0) return;
+    if (options.ray_casting.mode == RenderMode::volume) return;
+    Image<float> kept_m = download_depth(*depth);
+    drop_small_pieces(kept_m, options);
+    upload_depth(std::move(kept_m), large_pieces);
+    depth = &large_pieces;
   }
 
   void tap_slices() const {
@@ -162,13 +188,7 @@ struct Renderer::Pipeline {
                                   std::to_string(extent.width) + " x " +
                                   std::to_string(extent.height));
     }
-    for (float& z : other->pixels) {
-      if (!(z >= 0)) z = kNoDepth;
-    }
-    if (!replaced_depth || replaced_depth.extent().width != extent.width) {
-      replaced_depth = Texture("replaced z", depth->format(), extent, TextureFilter::nearest);
-    }
-    replaced_depth.upload(other->pixels);
+    upload_depth(*std::move(other), replaced_depth);
     depth = &replaced_depth;
   }
 
@@ -190,12 +210,18 @@ struct Renderer::Pipeline {
     check_gl("reading the picture");
   }
 
+  IncidenceCorrection make_incidence(const RenderOptions& given) {
+    if (!IncidenceCorrection::acts(given)) return {};
+    if (!beam) beam.emplace(plan);
+    return {factory.geometry(), *beam, given};
+  }
+
   RayCaster make_ray_caster() const { return {factory.geometry(), options, *incoming}; }
 
   /// Passes 2 to 4 for other settings, with the slices that are there.
   void set_options(const RenderOptions& given) {
     RayCaster new_ray_caster(factory.geometry(), given, *incoming);
-    IncidenceCorrection new_incidence(factory.geometry(), given);
+    IncidenceCorrection new_incidence = make_incidence(given);
     SurfaceShader new_shader(given);
     Smoother new_smoother(given.smoothing, given.ray_casting.image_size, given.pipeline.mode);
     options = given;
@@ -265,8 +291,10 @@ struct Renderer::Pipeline {
   std::unique_ptr<SliceVolume> complete;  ///< the last complete one; null: `incoming` is shown
   std::optional<EchoLevels> incoming_levels, complete_levels;  ///< none: not measured
   RayCaster ray_caster;
+  std::optional<hw::BeamWidths> beam;  ///< once a correction has needed it
   IncidenceCorrection incidence;
   const Texture* depth = nullptr;  ///< z that pass 3 reads
+  Texture large_pieces;            ///< z without small pieces; empty before any are left out
   Texture replaced_depth;          ///< of a tap; empty before it replaces any
   SurfaceShader surface_shader;
   Smoother smoother;

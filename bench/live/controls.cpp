@@ -20,6 +20,10 @@ class ControlWriter {
   void real(std::string_view key, double, double, double min, double max) {
     add(key, "number", {{"min", min}, {"max", max}});
   }
+  void real_or_auto(
+      std::string_view key, const std::optional<double>&, double, double min, double max) {
+    add(key, "number", {{"min", min}, {"max", max}, {"word", kAuto}});
+  }
   void reals(std::string_view key, const std::vector<double>&, double, double min, double max) {
     add(key, "list", {{"min", min}, {"max", max}});
   }

@@ -21,29 +21,25 @@ bool is_default_receiver(const sim::SimulationOptions& o) {
          o.tgc_db_per_cm_mhz == standard.tgc_db_per_cm_mhz;
 }
 
-/// What differs from the scans that the correction was determined on; empty: nothing.
-std::string other_than_determined(const Scene& scene, SampleSource source) {
-  if (source == SampleSource::unknown_subject) return "the samples are not simulated";
-  const bool is_geometry = scene.simulation.fidelity == sim::Rung::geometry;
-  if (source == SampleSource::simulator && is_geometry)
-    return "the rung geometry has no beam width";
-  if (static_cast<const hw::ProbeOptions&>(scene.probe) != hw::ProbeOptions{}) {
-    return "the probe is another";
+/// What the automatic correction cannot know; empty: nothing.
+std::string unknown_to_correction(const Scene& scene, SampleSource source) {
+  if (source == SampleSource::unknown_subject) {
+    return "of the aperture that the scene's probe.* give, and the samples are not simulated";
   }
-  return is_default_receiver(scene.simulation) ? "" : "the receiver is another";
+  if (is_default_receiver(scene.simulation)) return "";
+  return "at the level of the default receiver, and the receiver is another";
 }
 
 /// Empty: there is nothing to say of it.
 std::string incidence_text(const Scene& scene, SampleSource source) {
   const std::string key = "render.ray_casting.incidence_correction_mm";
   const render::RayCastingOptions& o = scene.render.ray_casting;
-  const bool acts = o.incidence_correction_m > 0 && o.mode != render::RenderMode::volume;
-  if (!acts || scene.given.contains(key)) return "";
-  const std::string other = other_than_determined(scene, source);
-  if (other.empty()) return "";
-  return key + " = " + significant(o.incidence_correction_m / kMillimetre, 3) +
-         " was determined for the default simulated probe, and " + other +
-         ": steep surfaces may lie too deep; give the key a value (0: no correction)";
+  const bool is_chosen = !o.incidence_correction_m && o.mode != render::RenderMode::volume;
+  if (!is_chosen || scene.given.contains(key)) return "";
+  const std::string unknown = unknown_to_correction(scene, source);
+  if (unknown.empty()) return "";
+  return key + " = auto takes the width of the beam " + unknown +
+         ": steep surfaces may lie too near or too deep; give the key a length (0: no correction)";
 }
 
 /// Empty: there are several frames.

@@ -42,6 +42,11 @@ class OptionLister {
   void real(std::string_view key, double, double, double min, double max) {
     add(key, {{"type", "float"}, {"minimum", min}, {"maximum", max}});
   }
+  void real_or_auto(
+      std::string_view key, const std::optional<double>&, double, double min, double max) {
+    add(key,
+        {{"type", "float"}, {"minimum", min}, {"maximum", max}, {"choices", Json::array({kAuto})}});
+  }
   void reals(std::string_view key, const std::vector<double>&, double, double min, double max) {
     add(key, {{"type", "list[float]"}, {"minimum", min}, {"maximum", max}});
   }

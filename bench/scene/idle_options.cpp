@@ -231,6 +231,7 @@ const std::vector<Rule>& rules_of_rays() {
       {{"render.ray_casting.detector",
         "render.ray_casting.incidence_correction_mm",
         "render.ray_casting.refine_crossing",
+        "render.ray_casting.smallest_piece_mm2",
         "render.ray_casting.window_2d"},
        "render.ray_casting.mode = surface or both",
        [](const Setting& s) { return s.seeks_surface(); }},

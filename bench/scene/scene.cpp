@@ -31,6 +31,15 @@ class JsonWriter {
   void real(std::string_view key, const double& value, double unit, double, double) {
     json_[std::string(key)] = in_unit(value, unit);
   }
+  void real_or_auto(
+      std::string_view key, const std::optional<double>& value, double unit, double, double) {
+    auto& json = json_[std::string(key)];
+    if (value) {
+      json = in_unit(*value, unit);
+    } else {
+      json = kAuto;
+    }
+  }
   void integer(std::string_view key, const int& value, int, int) {
     json_[std::string(key)] = value;
   }
@@ -272,6 +281,12 @@ void seek_surface_alone(Scene& scene) {
   scene.render.ray_casting.mode = render::RenderMode::surface;
 }
 
+/// The rung geometry has no beam, whose width would have to be corrected.
+void correct_no_beam(Scene& scene) {
+  auto& length_m = scene.render.ray_casting.incidence_correction_m;
+  if (scene.simulation.fidelity == sim::Rung::geometry && !length_m) length_m = 0;
+}
+
 /// Rules between options, checked by each module.
 void validate(const Scene& scene, const std::string& source) {
   const auto check = [&](const std::string& section, const auto& rule) {
@@ -337,6 +352,7 @@ Scene load_scene(const std::filesystem::path& path,
   scene.picture.preset = preset;
   read_sections(scene, table, source);
   seek_surface_alone(scene);
+  correct_no_beam(scene);
   validate(scene, source);
   return scene;
 }
@@ -357,6 +373,7 @@ Scene load_resolved_scene(const nlohmann::ordered_json& resolved,
   Scene scene;
   read_sections(scene, table, from);
   seek_surface_alone(scene);
+  correct_no_beam(scene);
   validate(scene, from);
   return scene;
 }

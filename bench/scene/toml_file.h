@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "base/near_name.h"
+#include "base/options.h"
 #include "base/user_error.h"
 
 namespace wobblebench::bench {
@@ -33,6 +34,19 @@ class TomlReader {
 
   void real(std::string_view key, double& value, double unit, double, double) {
     take(key, "a number", [&](const toml::node& node) { return read_number(node, value, unit); });
+  }
+  void real_or_auto(
+      std::string_view key, std::optional<double>& value, double unit, double, double) {
+    take(key, "a number or \"auto\"", [&](const toml::node& node) {
+      if (node.is_string() && node.as_string()->get() == kAuto) {
+        value.reset();
+        return true;
+      }
+      double read = 0;
+      if (!read_number(node, read, unit)) return false;
+      value = read;
+      return true;
+    });
   }
   void integer(std::string_view key, int& value, int min, int max) {
     take(key, "a whole number", [&](const toml::node& node) {

@@ -20,6 +20,11 @@ bool in_slices(const RayCastingOptions& options) {
   return options.kernel_space == KernelSpace::slice;
 }
 
+/// Nothing is buffered where no surface is sought.
+int window(const RayCastingOptions& options) {
+  return options.mode == RenderMode::volume ? 1 : options.window_2d;
+}
+
 }  // namespace
 
 std::vector<double> gaussian_weights(int size) {
@@ -44,11 +49,11 @@ std::vector<double> convolved_with_box(const std::vector<double>& weights, int b
 }
 
 std::vector<double> buffer_weights(const RayCastingOptions& options) {
-  return convolved_with_box(gaussian_weights(ray_kernel_size(options)), options.window_2d);
+  return convolved_with_box(gaussian_weights(ray_kernel_size(options)), window(options));
 }
 
 std::vector<double> blend_weights(const RayCastingOptions& options) {
-  const auto margin = static_cast<std::size_t>((options.window_2d - 1) / 2);
+  const auto margin = static_cast<std::size_t>((window(options) - 1) / 2);
   std::vector<double> weights(margin, 0.0);
   const std::vector<double> gaussian = gaussian_weights(ray_kernel_size(options));
   weights.insert(weights.end(), gaussian.begin(), gaussian.end());

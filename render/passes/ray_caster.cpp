@@ -3,9 +3,16 @@
 // shaders/ray_casting/ray_march.glsl (its ray length).
 #include "render/passes/ray_caster.h"
 
+#include <glad/gl.h>
 #include <algorithm>
 #include <cmath>
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
+#include <stdexcept>
+#include <string>
+#include <string_view>
 
+#include "base/number_text.h"
 #include "render/geometry/ray_sampling.h"
 
 namespace wobblebench::render {
@@ -20,6 +27,10 @@ enum Bindings { kSlices, kMotionTable, kTransfer, kDistances };
 constexpr int kBlock = 8;
 /// Longest block; a longer one would not stay in registers.
 constexpr int kMaxBlock = 16;
+
+/// llvmpipe and softpipe end a pixel's loops, silently, after 65535 turns of all of them together
+/// (LP_MAX_TGSI_LOOP_ITERATIONS, TGSI_EXEC_MAX_LOOP_ITERATIONS of Mesa).
+constexpr double kMostLoopTurns = 65535;
 
 /// Steps by which slice coordinates may deviate from a straight line over half a block.
 constexpr double kStraightSteps = 0.02;
@@ -86,8 +97,45 @@ Defines defines(const SliceGeometry& geometry, const RenderOptions& options, boo
       .add("STOP_ON_LEAVING_CONE", o.stop_on_leaving_cone);
 }
 
-FragmentProgram make_program(const Defines& defines, bool fast) {
-  if (fast) {
+/// Most steps of a ray: between opposite corners of a box around those in which it begins and ends.
+double most_steps(const SliceGeometry& geometry, const RenderOptions& options) {
+  const VolumeOfInterest& start = options.volume_of_interest;
+  const VolumeOfInterest end = options.ray_casting.stop_at_box ? start : field_box(geometry);
+  const glm::dvec3 low =
+      glm::min(start.center_m - 0.5 * start.size_m, end.center_m - 0.5 * end.size_m);
+  const glm::dvec3 high =
+      glm::max(start.center_m + 0.5 * start.size_m, end.center_m + 0.5 * end.size_m);
+  return glm::distance(low, high) / step_m(options) + 1;
+}
+
+/// Turns of a ray's loops, at most. `leaps`: it may take a step twice, to fill its kernel again
+/// behind a leap, and look where to leap to.
+double loop_turns(const SliceGeometry& geometry, const RenderOptions& options, bool leaps) {
+  const auto taps = static_cast<double>(buffer_weights(options.ray_casting).size());
+  const double turns_a_step = taps > 1 ? 1 + taps : 1;
+  return most_steps(geometry, options) * (leaps ? 2 * turns_a_step + 1 : turns_a_step);
+}
+
+bool counts_loop_turns() {
+  const auto* name = reinterpret_cast<const char*>(glGetString(GL_RENDERER));
+  const std::string_view driver = name ? name : "";
+  return driver.starts_with("llvmpipe") || driver.starts_with("softpipe");
+}
+
+/// Throws std::runtime_error where rays would end before their last step.
+void check_loop_turns(const SliceGeometry& geometry, const RenderOptions& options) {
+  const double turns = loop_turns(geometry, options, false);
+  if (!counts_loop_turns() || turns <= kMostLoopTurns) return;
+  throw std::runtime_error(
+      "render.ray_casting.steps = " + std::to_string(options.ray_casting.steps) +
+      ": this software driver ends the loops of a pixel after 65535 turns, and the longest ray in "
+      "the box needs " +
+      significant(turns, 3) +
+      ": take fewer steps, a smaller window_2d or kernel_3d, or a deeper volume of interest");
+}
+
+FragmentProgram make_program(const Defines& defines, bool leaps_or_blocks) {
+  if (leaps_or_blocks) {
     return FragmentProgram({"ray.glsl",
                             "cone.glsl",
                             "ray_kernel.glsl",
@@ -123,13 +171,16 @@ RayCaster::RayCaster(const SliceGeometry& geometry,
   transfer_.upload(
       TransferFunction(options.ray_casting, step_m(options)).table(kTransferTableSize));
   const SkippableCells* cells = volume.cells();
+  check_loop_turns(geometry, options);
   const bool leaps = cells && cells->can_leap();
-  ray_cast_ = make_program(defines(geometry, options, leaps), is_fast(options));
+  const bool fits = in_blocks(options) || !counts_loop_turns() ||
+                    loop_turns(geometry, options, true) <= kMostLoopTurns;
+  ray_cast_ = make_program(defines(geometry, options, leaps && fits), is_fast(options) && fits);
   set_view(options);
   set_box(options);
   set_cone(volume.pixels());
   is_fast(options) ? set_fan() : set_motion_table();
-  if (leaps) set_macrocells(*cells);
+  if (leaps && fits) set_macrocells(*cells);
   set_sampling(options);
   check_gl("ray casting: setting up");
 }

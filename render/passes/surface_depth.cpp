@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <vector>
 
 #include "render/camera.h"
 #include "render/passes/ray_caster.h"
@@ -55,10 +56,20 @@ int normal_window(const RenderOptions& options) {
   return 2 * static_cast<int>(std::clamp(std::floor(0.5 * pixels), 1.0, 15.0)) + 1;
 }
 
+hw::BeamWidth correction_length(const RayCastingOptions& options, const hw::BeamWidth& beam) {
+  if (const auto& length_m = options.incidence_correction_m) return {*length_m, *length_m};
+  return {kShareOfWidth * beam.lateral_m, kShareOfWidth * beam.elevation_m};
+}
+
+bool IncidenceCorrection::acts(const RenderOptions& options) {
+  return options.ray_casting.incidence_correction_m != 0.0 &&
+         options.ray_casting.mode != RenderMode::volume;
+}
+
 IncidenceCorrection::IncidenceCorrection(const SliceGeometry& geometry,
+                                         const hw::BeamWidths& beam,
                                          const RenderOptions& options)
-    : active_(options.ray_casting.incidence_correction_m > 0 &&
-              options.ray_casting.mode != RenderMode::volume) {
+    : active_(acts(options)) {
   if (!active_) return;
   const int size = options.ray_casting.image_size;
   filter_ = DepthFilter(options, normal_window(options));
@@ -72,9 +83,20 @@ IncidenceCorrection::IncidenceCorrection(const SliceGeometry& geometry,
                       Defines()
                           .add("BIND_DEPTH", kDepth)
                           .add("BIND_FILTERED", kFiltered)
+                          .add("BEAM_ROWS", hw::BeamWidths::kRows)
                           .add("PERSPECTIVE", options.view.projection == Projection::perspective));
+  std::vector<double> lateral_m, elevation_m;
+  for (const hw::BeamWidth& width : beam.rows()) {
+    const hw::BeamWidth length = correction_length(options.ray_casting, width);
+    lateral_m.push_back(length.lateral_m);
+    elevation_m.push_back(length.elevation_m);
+  }
   program_.set("axis_z_m", geometry.axis_z_m())
-      .set("correction_m", options.ray_casting.incidence_correction_m)
+      .set("face_radius_m", geometry.r_min_m())
+      .set("first_row_m", beam.first_m())
+      .set("last_row_m", beam.last_m())
+      .set("lateral_m", lateral_m)
+      .set("elevation_m", elevation_m)
       .set("max_tangent", kMaxTangent);
   set_view(options);
   check_gl("incidence correction: setting up");

@@ -1,6 +1,7 @@
 // z between passes 2 and 3: its correction for the beam's width, and pass 3's filter.
 #pragma once
 
+#include "hw/probe/beam_width.h"
 #include "render/geometry/slice_geometry.h"
 #include "render/gl/program.h"
 #include "render/options.h"
@@ -29,14 +30,24 @@ class DepthFilter {
   FragmentProgram rows_, filter_;  ///< rows_: mode fast only
 };
 
-/// Moves the surface along each ray by RayCastingOptions::incidence_correction_m times the tangent
-/// of the angle between its normal and the stick through it, at most kMaxTangent. The normal is
-/// that of z averaged over kNormalWindow_m, so that a surface's roughness stays as it is. Does
-/// nothing where the correction is 0.
+/// Length of the correction on a surface that is tilted from stick to stick or from frame to frame,
+/// and between them the root of the mean of both squares, weighted by the squares of the normal's
+/// components. `beam` is read for automatic lengths alone.
+hw::BeamWidth correction_length(const RayCastingOptions& options, const hw::BeamWidth& beam);
+
+/// Moves the surface along each ray by correction_length() times the tangent of the angle between
+/// its normal and the stick through it, at most kMaxTangent. The normal is that of z averaged over
+/// kNormalWindow_m, so that a surface's roughness stays as it is. Does nothing where
+/// RayCastingOptions::incidence_correction_m is 0.
 class IncidenceCorrection {
  public:
   IncidenceCorrection() = default;
-  IncidenceCorrection(const SliceGeometry& geometry, const RenderOptions& options);
+  IncidenceCorrection(const SliceGeometry& geometry,
+                      const hw::BeamWidths& beam,
+                      const RenderOptions& options);
+
+  /// Whether these options ask for it.
+  static bool acts(const RenderOptions& options);
 
   /// Another view with the same projection.
   void set_view(const RenderOptions& options);
@@ -51,8 +62,12 @@ class IncidenceCorrection {
   FragmentProgram program_;
 };
 
-/// Largest tangent of incidence: 68 degrees; beyond it the normal of the rim is not known well.
-inline constexpr double kMaxTangent = 2.5;
+/// Automatic length: this share of the beam's two-way -6 dB width, chosen for the default level
+/// (docs/decisions/0054-correction-by-the-beam.md).
+inline constexpr double kShareOfWidth = 0.55;
+/// Largest tangent of incidence: 60 degrees. Beyond it the beam is wider than the part of a curved
+/// surface that has one tangent, and the normal of the rim is not known well.
+inline constexpr double kMaxTangent = 1.73;
 /// Side of the window in which z is averaged for its normal.
 inline constexpr double kNormalWindow_m = 2.5e-3;
 /// The same in pixels of the picture: odd, 3 to 31.

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <string>
 
+#include "render/passes/pieces.h"
 #include "render/reconstruction/frame_store.h"
 #include "render/reference/reference_passes.h"
 
@@ -49,8 +50,8 @@ Picture render_reference(const hw::PolarVolume& volume, const RenderOptions& opt
   const reference::Cast cast = reference::cast_rays(slices, options);
   Picture picture;
   picture.volume = converted<glm::vec3>(cast.volume);
-  const auto depth_m =
-      reference::correct_incidence(cast.depth_m, volume.plan().geometry(), options);
+  auto depth_m = reference::correct_incidence(cast.depth_m, volume.plan(), options);
+  drop_small_pieces(depth_m, options);
   shade_and_smooth(depth_m, cast.volume, options, picture);
   return picture;
 }

@@ -50,7 +50,7 @@ Cast cast_rays(const SliceStack& slices, const RenderOptions& options);
 
 /// Between passes 2 and 3: RayCastingOptions::incidence_correction_m.
 Image<double> correct_incidence(const Image<double>& depth_m,
-                                const hw::ProbeGeometry& geometry,
+                                const hw::AcquisitionPlan& plan,
                                 const RenderOptions& options);
 
 /// Pass 3, first half: box filter over neighbours with a surface.

@@ -235,9 +235,21 @@ class Surface {
   const Camera& camera_;
 };
 
-glm::dvec3 stick_direction(const hw::ProbeGeometry& geometry, const glm::dvec3& position_m) {
-  const hw::PolarPoint polar = geometry.to_polar(position_m);
-  return geometry.stick(polar.theta_rad, polar.phi_rad).direction;
+/// Squares of the sine of incidence in both directions, of a surface with this normal.
+struct SquaredSines {
+  double lateral, elevation;
+};
+
+SquaredSines squared_sines(const hw::ProbeGeometry& geometry,
+                           const hw::PolarPoint& at,
+                           const glm::dvec3& normal) {
+  const glm::dvec3 stick = geometry.stick(at.theta_rad, at.phi_rad).direction;
+  // Across the image plane, which contains the sticks of all angles.
+  const glm::dvec3 other = geometry.stick(at.theta_rad + 0.1, at.phi_rad).direction;
+  const glm::dvec3 elevation = glm::normalize(glm::cross(stick, other));
+  const double e = glm::dot(normal, elevation);
+  const glm::dvec3 across = glm::cross(normal, stick);
+  return {std::max(0.0, glm::dot(across, across) - e * e), e * e};
 }
 
 }  // namespace
@@ -293,10 +305,11 @@ Image<glm::dvec3> smooth(const Image<glm::dvec3>& picture, const SmoothingOption
 }
 
 Image<double> correct_incidence(const Image<double>& depth_m,
-                                const hw::ProbeGeometry& geometry,
+                                const hw::AcquisitionPlan& plan,
                                 const RenderOptions& options) {
-  const double correction_m = options.ray_casting.incidence_correction_m;
-  if (correction_m == 0 || options.ray_casting.mode == RenderMode::volume) return depth_m;
+  if (!IncidenceCorrection::acts(options)) return depth_m;
+  const hw::BeamWidths beam(plan);
+  const hw::ProbeGeometry geometry = plan.geometry();
   const Camera camera = make_camera(options);
   const Image<double> filtered = filter_depth(depth_m, normal_window(options));
   const Surface surface(filtered, camera);
@@ -309,10 +322,16 @@ Image<double> correct_incidence(const Image<double>& depth_m,
       if (glm::length(across) == 0) continue;
       const glm::dvec3 normal = glm::normalize(across);
       const hw::Ray ray = camera.ray(column, row);
-      const glm::dvec3 stick = stick_direction(geometry, ray.at(depth_m.at(column, row)));
-      const double sine = glm::length(glm::cross(normal, stick));
+      const hw::PolarPoint at = geometry.to_polar(ray.at(depth_m.at(column, row)));
+      const SquaredSines sines2 = squared_sines(geometry, at, normal);
+      const double sine = std::sqrt(sines2.lateral + sines2.elevation);
+      if (sine == 0) continue;
+      const hw::BeamWidth length = correction_length(options.ray_casting, beam.at(at.range_m));
+      const double length_m = std::hypot(length.lateral_m * std::sqrt(sines2.lateral),
+                                         length.elevation_m * std::sqrt(sines2.elevation)) /
+                              sine;
       const double cosine = std::abs(glm::dot(normal, ray.direction));
-      corrected.at(column, row) += correction_m * std::min(sine / cosine, kMaxTangent);
+      corrected.at(column, row) += length_m * std::min(sine / cosine, kMaxTangent);
     }
   });
   return corrected;

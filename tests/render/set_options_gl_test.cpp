@@ -68,7 +68,8 @@ class RandomSettings {
     r.steps = pick({64, 150});
     if (r.detector != Detector::paper) r.detector = pick({Detector::iso, Detector::floor});
     r.iso_level = real(0.3, 0.8);
-    r.incidence_correction_m = pick({0.0, 0.5e-3});
+    r.incidence_correction_m =
+        pick({std::optional<double>(0.0), std::optional<double>(0.5e-3), std::optional<double>()});
     r.buffer_length = pick({4, 8, 12});
     r.threshold = real(0.1, 0.9);
     r.refine_crossing = pick({true, false});

@@ -6,8 +6,10 @@
 #include <optional>
 
 #include "base/parallel.h"
+#include "hw/probe/beam_width.h"
 #include "render/camera.h"
 #include "render/geometry/ray_sampling.h"
+#include "render/passes/surface_depth.h"
 #include "sim/optics/beam_profile.h"
 
 namespace wobblebench::bench {
@@ -19,7 +21,6 @@ constexpr double kMiddleRange_m = 75e-3;
 constexpr double kEdge_m = 0.5e-3;
 constexpr int kLeastPlanePixels = 6;
 
-constexpr double kMostTangent = 2.5;
 constexpr double kMostBump_mm = 1;
 
 /// A plane through z within a window: its slopes, per pixel, and how much deeper it is than z in
@@ -140,7 +141,8 @@ struct TermMeter::State {
   sim::BeamProfile beam;
   render::Camera camera;
   double buffer_mm;
-  double correction_mm;
+  hw::BeamWidths widths;  ///< by which the renderer corrects
+  render::RayCastingOptions ray_casting;
 
   int reach(double length_m) const {
     return std::max(1, static_cast<int>(std::lround(length_m / camera.pixel_m())));
@@ -192,7 +194,11 @@ struct TermMeter::State {
     const double cos_incidence = std::abs(glm::dot(n, axes.along));
     const double tangent =
         std::sqrt(std::max(0.0, 1 - cos_incidence * cos_incidence)) / std::max(cos_incidence, 1e-3);
-    set(kTangentTerm, correction_mm * std::min(tangent, kMostTangent));
+    const hw::BeamWidth length = render::correction_length(ray_casting, widths.at(range_m));
+    const double length_m =
+        std::hypot(length.lateral_m * sin_lateral, length.elevation_m * sin_elevation) /
+        std::max(std::hypot(sin_lateral, sin_elevation), 1e-9);
+    set(kTangentTerm, length_m / kMillimetre * std::min(tangent, render::kMaxTangent));
     const auto term = [&](ErrorTerm i) {
       return static_cast<double>(terms.x[static_cast<std::size_t>(i)]);
     };
@@ -214,7 +220,8 @@ TermMeter::TermMeter(const hw::AcquisitionPlan& plan,
                        render.ray_casting.detector == render::Detector::paper
                            ? render::buffer_samples(render) * render::step_m(render) / kMillimetre
                            : 0,
-                       render.ray_casting.incidence_correction_m / kMillimetre}) {}
+                       hw::BeamWidths(plan),
+                       render.ray_casting}) {}
 
 TermMeter::~TermMeter() = default;
 

@@ -23,7 +23,8 @@ enum ErrorTerm {
   kFrameSpacingTerm,  ///< frame spacing x sin(incidence across it)
   kContrastTerm,      ///< sample values behind less before the surface, 0 to 0.45 of full scale
   kDepthTerm,         ///< range less 75 mm
-  kTangentTerm,       ///< render.ray_casting.incidence_correction_mm x tan(incidence), at most 2.5
+  kTangentTerm,       ///< render.ray_casting.incidence_correction_mm x tan(incidence), at most
+                      ///< kMaxTangent
   kWeakEdgeTerm,      ///< both beam terms together x what the contrast is below 0.45
   kBumpTerm,          ///< how much nearer z is than the plane fitted about it, within 1 mm
 };

@@ -50,8 +50,8 @@ class Control {
   }
 
   range(unit) {
-    const {min, max, kind} = this.shape;
-    const range = kind === 'flag' || kind === 'choice' ? '' : `: ${min} to ${max} ${unit}`;
+    const {min, max, kind, word} = this.shape;
+    const range = kind === 'flag' || kind === 'choice' ? '' : `: ${min} to ${max} ${unit}${word ? ` or ${word}` : ''}`;
     return `${this.key}${range}`;
   }
 
@@ -108,7 +108,8 @@ class Control {
     if (document.activeElement === this.slider) return;
     const [low, high] = sliderEnds(this.shape, start);
     const step = this.shape.kind === 'integer' ? 1 : 10 ** Math.floor(Math.log10((high - low) / 200));
-    Object.assign(this.slider, {min: low.toPrecision(6), max: high.toPrecision(6), step, value});
+    const ends = {min: low.toPrecision(6), max: high.toPrecision(6), step};
+    Object.assign(this.slider, {...ends, value: value === this.shape.word ? low : value});
   }
 }
 

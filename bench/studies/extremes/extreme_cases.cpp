@@ -188,6 +188,10 @@ class EndsOfOptions {
   void real(std::string_view key, double, double, double min, double max) {
     add(key, {significant(min, 12), significant(max, 12)});
   }
+  void real_or_auto(
+      std::string_view key, const std::optional<double>&, double, double min, double max) {
+    add(key, {significant(min, 12), significant(max, 12), std::string(kAuto)});
+  }
   void integer(std::string_view key, int, int min, int max) {
     add(key, {std::to_string(min), std::to_string(max)});
   }

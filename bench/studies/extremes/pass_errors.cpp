@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "bench/studies/extremes/pass_bounds.h"
+#include "render/passes/pieces.h"
 #include "render/passes/surface_depth.h"
 
 namespace wobblebench::bench {
@@ -171,11 +172,18 @@ PassError depth_error(const std::string& pass,
 }
 
 PassError incidence_error(const render::CastDepth& depth,
-                          const hw::ProbeGeometry& geometry,
+                          const hw::AcquisitionPlan& plan,
                           const RenderOptions& options,
                           const PassBounds& bounds) {
   const auto cast_m = in_double<double>(depth.cast_m);
-  const auto expected_m = render::reference::correct_incidence(cast_m, geometry, options);
+  auto expected_m = render::reference::correct_incidence(cast_m, plan, options);
+  render::drop_small_pieces(expected_m, options);
+  const hw::BeamWidths beam(plan);
+  double longest_m = 0;
+  for (const hw::BeamWidth& width : beam.rows()) {
+    const hw::BeamWidth length = render::correction_length(options.ray_casting, width);
+    longest_m = std::max({longest_m, length.lateral_m, length.elevation_m});
+  }
   const int window = normal_window(options);
   const auto filtered_m = render::reference::filter_depth(cast_m, window);
   return depth_error("incidence", depth.depth_m, expected_m, [&](int column, int row) {
@@ -184,7 +192,7 @@ PassError incidence_error(const render::CastDepth& depth,
         filtered_m, options, bounds.position_m + window_bound(window) * z_m);
     // Below its greatest value a tangent has a slope of at most 10.
     const double turn = std::min(10 * surface.normal(column, row), render::kMaxTangent);
-    return options.ray_casting.incidence_correction_m * turn / z_m + 4 * kUnitRoundoff;
+    return longest_m * turn / z_m + 4 * kUnitRoundoff;
   });
 }
 
@@ -261,7 +269,7 @@ std::vector<PassError> pass_errors(const PassPictures& pictures,
                    spans.cast.volume,
                    spans.volumes,
                    [&](int column, int row) { return blended.at(column, row); }),
-      incidence_error(pictures.depth, meant.plan().geometry(), options, bounds),
+      incidence_error(pictures.depth, meant.plan(), options, bounds),
       depth_error("z filter",
                   pictures.picture.filtered_depth_m,
                   filtered_m,

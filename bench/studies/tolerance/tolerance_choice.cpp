@@ -36,14 +36,15 @@ constexpr const char* kLadderKeys[kKeys] = {"render.reconstruction.sticks",
                                             "render.ray_casting.steps",
                                             "render.ray_casting.detector",
                                             "render.ray_casting.incidence_correction_mm"};
-constexpr const char* kLadder[][kKeys] = {{"\"plain\"", "1", "128", "128", "\"iso\"", "1.2"},
-                                          {"\"plain\"", "1", "256", "256", "\"iso\"", "1.2"},
-                                          {"\"plain\"", "1", "512", "512", "\"iso\"", "1.2"},
-                                          {"\"aligned\"", "4", "256", "256", "\"iso\"", "1.2"},
-                                          {"\"aligned\"", "2.5", "256", "256", "\"iso\"", "1.2"},
-                                          {"\"aligned\"", "1.5", "384", "256", "\"iso\"", "1.2"},
-                                          {"\"aligned\"", "1", "512", "512", "\"iso\"", "1.2"},
-                                          {"\"aligned\"", "0.7", "512", "1024", "\"iso\"", "1.2"}};
+constexpr const char* kLadder[][kKeys] = {
+    {"\"plain\"", "1", "128", "128", "\"iso\"", "\"auto\""},
+    {"\"plain\"", "1", "256", "256", "\"iso\"", "\"auto\""},
+    {"\"plain\"", "1", "512", "512", "\"iso\"", "\"auto\""},
+    {"\"aligned\"", "4", "256", "256", "\"iso\"", "\"auto\""},
+    {"\"aligned\"", "2.5", "256", "256", "\"iso\"", "\"auto\""},
+    {"\"aligned\"", "1.5", "384", "256", "\"iso\"", "\"auto\""},
+    {"\"aligned\"", "1", "512", "512", "\"iso\"", "\"auto\""},
+    {"\"aligned\"", "0.7", "512", "1024", "\"iso\"", "\"auto\""}};
 
 /// What the request alone decides, before anything is measured.
 class Question {

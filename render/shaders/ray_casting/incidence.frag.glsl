@@ -4,7 +4,11 @@ layout(binding = BIND_DEPTH) uniform sampler2D depth;
 layout(binding = BIND_FILTERED) uniform sampler2D filtered;  // z after a box filter
 
 uniform float axis_z_m;
-uniform float correction_m;
+uniform float face_radius_m;
+// Length of the correction at ranges from first_row_m to last_row_m (correction_length()).
+uniform float first_row_m, last_row_m;
+uniform float lateral_m[BEAM_ROWS];
+uniform float elevation_m[BEAM_ROWS];
 uniform float max_tangent;
 
 layout(location = 0) out float corrected;
@@ -27,12 +31,31 @@ vec3 tangent(ivec2 pixel, ivec2 step) {
   return ends[1] - ends[0];
 }
 
-// Direction of the stick through a position (hw::ProbeGeometry).
-vec3 stick_direction(vec3 position) {
+// The stick through a position (hw::ProbeGeometry).
+struct Stick {
+  vec3 direction;
+  vec3 elevation;  // across the image plane
+  float range_m;
+};
+
+Stick stick_through(vec3 position) {
   vec2 from_axis = vec2(position.y, position.z - axis_z_m);
   float distance_m = length(from_axis);
-  float plane_depth = axis_z_m + distance_m;
-  return normalize(vec3(position.x, plane_depth * from_axis / distance_m));
+  vec2 depth = from_axis / distance_m;
+  vec3 from_centre = vec3(position.x, (axis_z_m + distance_m) * depth);
+  float r = length(from_centre);
+  return Stick(from_centre / r, vec3(0.0, -depth.y, depth.x), r - face_radius_m);
+}
+
+// Squares of the correction's lengths for tilts from stick to stick and from frame to frame.
+vec2 squared_lengths(float range_m) {
+  float row = clamp((range_m - first_row_m) / (last_row_m - first_row_m), 0.0, 1.0) *
+              float(BEAM_ROWS - 1);
+  int first = min(int(row), BEAM_ROWS - 2);
+  vec2 lengths = mix(vec2(lateral_m[first], elevation_m[first]),
+                     vec2(lateral_m[first + 1], elevation_m[first + 1]),
+                     row - float(first));
+  return lengths * lengths;
 }
 
 void main() {
@@ -44,8 +67,13 @@ void main() {
   if (area == 0.0) return;
   Ray ray = pixel_ray();
   vec3 normal = across / area;
-  vec3 stick = stick_direction(ray.origin + corrected * ray.direction);
-  float sine = length(cross(normal, stick));
-  // By correction_m times the tangent of incidence along the stick, as a step along the ray.
-  corrected += correction_m * min(sine / max(abs(dot(normal, ray.direction)), 1e-6), max_tangent);
+  Stick stick = stick_through(ray.origin + corrected * ray.direction);
+  float sine = length(cross(normal, stick.direction));
+  if (sine == 0.0) return;
+  // Of the part of the normal across the stick, the share of its square along the elevation.
+  float share = min(dot(normal, stick.elevation) / sine, 1.0);
+  vec2 lengths2 = squared_lengths(stick.range_m);
+  float length_m = sqrt(mix(lengths2.x, lengths2.y, share * share));
+  // By this length times the tangent of incidence along the stick, as a step along the ray.
+  corrected += length_m * min(sine / max(abs(dot(normal, ray.direction)), 1e-6), max_tangent);
 }

@@ -68,18 +68,52 @@ void empty_kernel() {
   for (int k = 0; k < KERNEL; ++k) planes[k] = PlaneSum(vec2(0.0), vec2(0.0), false);
 }
 
+void add_tap(inout PlaneSum plane, int i, int j, vec3 position, vec3 across_1, vec3 across_2) {
+  vec2 offset = vec2(i - HALF_TAPS, j - HALF_TAPS);
+  vec2 tap = sample_at(position + offset.x * across_1 + offset.y * across_2);
+  plane.buffered += buffer_weights[i] * buffer_weights[j] * tap;
+#if BLEND
+  plane.blended += blend_weights[i] * blend_weights[j] * tap;
+#endif
+  if (i == HALF_TAPS && j == HALF_TAPS) plane.center_inside = tap.y > 0.0;
+}
+
+// A row, of at most 15 taps, is written out: a software driver counts the turns of all loops of a
+// pixel (loop_turns() in render/passes/ray_caster.cpp).
+#define ADD_TAP(i) add_tap(plane, i, j, position, across_1, across_2)
+
 PlaneSum fetch_plane(vec3 position, vec3 across_1, vec3 across_2) {
   PlaneSum plane = PlaneSum(vec2(0.0), vec2(0.0), false);
   for (int j = 0; j < TAPS; ++j) {
-    for (int i = 0; i < TAPS; ++i) {
-      vec2 offset = vec2(i - HALF_TAPS, j - HALF_TAPS);
-      vec2 tap = sample_at(position + offset.x * across_1 + offset.y * across_2);
-      plane.buffered += buffer_weights[i] * buffer_weights[j] * tap;
-#if BLEND
-      plane.blended += blend_weights[i] * blend_weights[j] * tap;
+    ADD_TAP(0);
+#if TAPS > 1
+    ADD_TAP(1);
+    ADD_TAP(2);
 #endif
-      if (i == HALF_TAPS && j == HALF_TAPS) plane.center_inside = tap.y > 0.0;
-    }
+#if TAPS > 3
+    ADD_TAP(3);
+    ADD_TAP(4);
+#endif
+#if TAPS > 5
+    ADD_TAP(5);
+    ADD_TAP(6);
+#endif
+#if TAPS > 7
+    ADD_TAP(7);
+    ADD_TAP(8);
+#endif
+#if TAPS > 9
+    ADD_TAP(9);
+    ADD_TAP(10);
+#endif
+#if TAPS > 11
+    ADD_TAP(11);
+    ADD_TAP(12);
+#endif
+#if TAPS > 13
+    ADD_TAP(13);
+    ADD_TAP(14);
+#endif
   }
   return plane;
 }

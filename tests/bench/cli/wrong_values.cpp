@@ -35,6 +35,11 @@ class WrongValues {
     add(key, {"", "many", "1,5", "0x"});
     if (in_toml_) add(key, {"[1]", "true", "{}", "1979-05-27", "1e999999"});
   }
+  void real_or_auto(
+      std::string_view key, std::optional<double>&, double unit, double min, double max) {
+    double number = 0;
+    real(key, number, unit, min, max);
+  }
   void reals(std::string_view key, std::vector<double>&, double, double min, double max) {
     for (const auto& value : out_of_range(min, max)) add(key, {"[" + value + "]"});
     add(key, {"5", "", "[\"x\"]", "[[1]]", "[1"});
