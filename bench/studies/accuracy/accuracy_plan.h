@@ -21,6 +21,9 @@ struct NamedOptions {
 ///   seeds = 10                             # number of seeds, from first_seed on
 ///   first_seed = 1
 ///   rungs = ["field", "scatterers"]
+///   population = "population.toml"         # in place of scenes and seeds: a plan of `dataset`
+///   half = "judge"                         # or "train": which of its scenes
+///   per_stratum = 10                       # how many of each stratum
 ///   reference = "paper"                    # the setting that others are compared with
 ///   [scenes.ball]                          # as in a scene file, below its name
 ///   file = "sphere.toml"                   # beside the plan; a scene to begin from
@@ -36,6 +39,12 @@ struct AccuracyPlan {
   std::vector<NamedOptions> scenes;
   std::vector<NamedOptions> settings;  ///< the first is the reference
   bool of_one_scene = false;           ///< which may set rung and seed by itself
+  /// Of each scene of a population: its stratum and its own seed. Empty: the scenes are none.
+  struct Drawn {
+    std::string stratum;
+    std::uint64_t seed = 0;
+  };
+  std::vector<Drawn> drawn = {};
 };
 
 inline constexpr int kMostSeeds = 1000;

@@ -391,6 +391,31 @@ PopulationPlan load_population_plan(const fs::path& path) {
   return plan;
 }
 
+std::vector<DrawnScene> scenes_of_half(const PopulationPlan& plan,
+                                       PopulationHalf half,
+                                       int per_stratum) {
+  std::vector<DrawnScene> scenes;
+  std::vector<int> before(plan.strata.size(), 0), taken(plan.strata.size(), 0);
+  std::map<std::string, bool> half_of;  // each seed and identity, and whether it trains
+  for (int i = 0; i < plan.scenes; ++i) {
+    DrawnScene drawn = plan.draw(i);
+    const bool trains = before[drawn.stratum]++ % 2 == 0;
+    for (const char* key : {"simulation.seed", "phantom.identity"}) {
+      const std::string value = drawn.value(key);
+      if (value.empty() || value == "0") continue;
+      const auto [known, is_new] = half_of.emplace(std::string(key) + " = " + value, trains);
+      if (is_new || known->second == trains) continue;
+      refuse_plan(plan.source,
+                  known->first,
+                  "is in both halves of the population; must be drawn from more values");
+    }
+    if (trains != (half == PopulationHalf::train) || taken[drawn.stratum] == per_stratum) continue;
+    ++taken[drawn.stratum];
+    scenes.push_back(std::move(drawn));
+  }
+  return scenes;
+}
+
 std::string idle_options_of(const PopulationPlan& plan) {
   IdleInAll idle;
   for (std::size_t i = 0; i < plan.strata.size(); ++i) {

@@ -75,6 +75,17 @@ std::string idle_options_of(const PopulationPlan& plan);
 /// of them has the shares of all. `counts`: scenes of each stratum.
 std::vector<std::size_t> spread_strata(const std::vector<int>& counts);
 
+/// The halves of a population: of each stratum every second scene. No child and no speckle is in
+/// both.
+enum class PopulationHalf { train, judge };
+
+/// The first scenes of each stratum in a half, at most `per_stratum` of them, in the order of their
+/// numbers. Throws UserError "SOURCE: …" where one identity or seed is in both halves, or two of
+/// the scenes that are returned are of one stratum and seed.
+std::vector<DrawnScene> scenes_of_half(const PopulationPlan& plan,
+                                       PopulationHalf half,
+                                       int per_stratum);
+
 /// Numbers of scenes whose sum is `scenes`, as near to the shares as can be (largest remainders).
 std::vector<int> counts_of_shares(const std::vector<double>& shares, int scenes);
 

@@ -5,6 +5,7 @@
 #include <fstream>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <set>
 #include <sstream>
 
 #include "tests/bench/cli/program_under_test.h"
@@ -160,6 +161,60 @@ TEST_F(Dataset, RefusesAFolderOfAnotherPlan) {
   const ProcessResult none = dataset({"--out", "nothing", "--verify", "1"});
   EXPECT_EQ(none.exit_code, 2);
   EXPECT_FALSE(fs::exists(folder_.path() / "nothing"));
+}
+
+/// Rows of a CSV file without quotes, by the names of its columns.
+std::vector<std::map<std::string, std::string>> csv_rows(const fs::path& path) {
+  std::ifstream file(path);
+  std::vector<std::vector<std::string>> lines;
+  for (std::string line; std::getline(file, line);) {
+    std::istringstream cells(line);
+    lines.emplace_back();
+    for (std::string cell; std::getline(cells, cell, ',');) lines.back().push_back(cell);
+  }
+  std::vector<std::map<std::string, std::string>> rows;
+  for (std::size_t i = 1; i < lines.size(); ++i) {
+    rows.emplace_back();
+    for (std::size_t j = 0; j < lines[i].size(); ++j) rows.back()[lines[0][j]] = lines[i][j];
+  }
+  return rows;
+}
+
+TEST_F(Dataset, IsAnAxisOfAccuracy) {
+  std::string plan = kPlan;
+  plan.replace(plan.find("scenes = 4"), 10, "scenes = 16");
+  folder_.write("plan.toml", plan);
+  const std::string head = "population = \"plan.toml\"\nhalf = \"judge\"\nrungs = [\"field\"]\n",
+                    settings = "[settings.a.render]\npreset = \"baseline\"\n[settings.b]\n";
+  folder_.write("axis.toml", head + "per_stratum = 3\n" + settings);
+  const ProcessResult made = bench({"accuracy", "axis.toml", "--out", "out", "--json"}, folder_);
+  ASSERT_EQ(made.exit_code, 0) << made.err;
+  std::map<std::string, std::set<std::string>> seeds;
+  std::map<std::string, double> sums;
+  for (const auto& row : csv_rows(folder_.path() / "out/accuracy.csv")) {
+    if (row.at("group") != "picture") continue;
+    EXPECT_EQ(row.at("scene"), "good");
+    seeds[row.at("setting")].insert(row.at("seed"));
+    sums[row.at("setting")] += std::stod(row.at("p95_mm"));
+  }
+  ASSERT_EQ(seeds.size(), 2U);
+  for (const auto& [setting, of] : seeds) EXPECT_EQ(of.size(), 3U);
+  const std::string page = bytes_of(folder_.path() / "out/accuracy.md");
+  EXPECT_NE(page.find("A scene of bad (seed "), std::string::npos);
+  // The mean of the table is that of the rows.
+  std::ostringstream mean;
+  mean.precision(2);
+  mean << std::fixed << sums.at("a") / 3;
+  const auto table = page.find("## By stratum");
+  ASSERT_NE(table, std::string::npos);
+  EXPECT_NE(page.find(mean.str() + " (", table), std::string::npos) << page.substr(table, 900);
+
+  for (const std::string wrong : {"seeds = 3\n", "[scenes.x]\n", "half = \"both\"\n"}) {
+    folder_.write("wrong.toml", "population = \"plan.toml\"\n" + wrong + settings);
+    EXPECT_EQ(bench({"accuracy", "wrong.toml"}, folder_).exit_code, 2) << wrong;
+  }
+  folder_.write("wrong.toml", "half = \"judge\"\n[scenes.x]\n" + settings);
+  EXPECT_EQ(bench({"accuracy", "wrong.toml"}, folder_).exit_code, 2);
 }
 
 }  // namespace

@@ -86,6 +86,12 @@ void expect_moments(const std::vector<double>& values, const Moments& wanted) {
   EXPECT_NEAR(found.deviation, wanted.deviation, error);
 }
 
+// By a program in another language: the draws of a plan are the same for ever.
+TEST(Distribution, ADrawIsThisHash) {
+  EXPECT_NEAR(unit_draw(1, 11, "phantom.identity"), 0.23417189884605527, 1e-15);
+  EXPECT_NEAR(unit_draw(7, 123456, "phantom.hand"), 0.7034804408602631, 1e-15);
+}
+
 TEST(Distribution, UniformHasItsMoments) {
   const Distribution of = read_distribution({{"uniform", "[20, 34]"}});
   const auto values = draws(of);
@@ -248,6 +254,45 @@ TEST_F(PopulationPlanFile, RefusesStrataThatContradict) {
   expect_refusal(head + "[strata.a]\ncount = 4\n[strata.b]\ncount = 5\n", "add up to 9");
   expect_refusal(head + "[strata.a]\ncount = 0\n", "must be a whole number, 1 to");
   expect_refusal(head + "[strata.a]\nshare = 1\nphantom.voxel_mm = 99\n", "stratum a");
+}
+
+std::set<std::string> values_of(const std::vector<DrawnScene>& scenes, const std::string& key) {
+  std::set<std::string> values;
+  for (const DrawnScene& scene : scenes) values.insert(scene.value(key));
+  return values;
+}
+
+TEST_F(PopulationPlanFile, HalvesShareNoChildAndNoSpeckle) {
+  const std::string strata = "[strata.a]\nshare = 0.4\n[strata.b]\nshare = 0.6\n";
+  const PopulationPlan plan = load(
+      "scenes = 50\nseed = 2\n[scene]\nphantom.identity = { integers = [1, 1000000] }\n" + strata);
+  const auto train = scenes_of_half(plan, PopulationHalf::train, 100),
+             judge = scenes_of_half(plan, PopulationHalf::judge, 100);
+  EXPECT_EQ(train.size(), 25U);
+  EXPECT_EQ(judge.size(), 25U);
+  for (const char* key : {"phantom.identity", "simulation.seed"}) {
+    auto all = values_of(train, key);
+    const auto others = values_of(judge, key);
+    all.insert(others.begin(), others.end());
+    EXPECT_EQ(all.size(), 50U) << key;
+  }
+  const auto few = scenes_of_half(plan, PopulationHalf::judge, 3);
+  ASSERT_EQ(few.size(), 6U);
+  for (const DrawnScene& scene : few) {
+    EXPECT_TRUE(std::ranges::any_of(
+        judge, [&](const DrawnScene& other) { return other.index == scene.index; }));
+  }
+}
+
+TEST_F(PopulationPlanFile, RefusesHalvesWithTheSameChild) {
+  const PopulationPlan plan =
+      load("scenes = 20\n[scene]\nphantom.identity = { integers = [1, 3] }\n");
+  try {
+    scenes_of_half(plan, PopulationHalf::judge, 5);
+    FAIL() << "no refusal";
+  } catch (const UserError& error) {
+    EXPECT_NE(std::string(error.what()).find("is in both halves"), std::string::npos);
+  }
 }
 
 }  // namespace
