@@ -22,8 +22,8 @@ using Json = nlohmann::ordered_json;
 
 constexpr const char* kManifest = "manifest.jsonl";
 constexpr const char* kSheet = "contact_sheet.png";
-constexpr int kMostShown = 48, kMostAcross = 8;
-constexpr int kSide = 150, kGap = 6, kLeft = 120, kCaption = 20;
+constexpr int kMostShown = 48, kMostAcross = 4;
+constexpr int kSide = 150, kGap = 12, kLeft = 110, kCaption = 20;
 constexpr double kText = 13;
 
 SceneFigures figures_of(const PopulationPlan& plan, int index, const Json& line) {
@@ -160,35 +160,36 @@ void draw(Canvas& canvas, const Point2& corner, const Image<glm::vec3>& picture)
   }
 }
 
-/// The truth above what was found, a row a stratum.
+/// The truth and what was found, side by side.
+void draw_pair(Canvas& canvas, const Point2& corner, const ShownScene& shown) {
+  draw(canvas, corner, shown.truth);
+  draw(canvas, corner + Point2(kSide, 0), shown.found);
+}
+
+/// A row a stratum.
 Image<glm::vec3> contact_sheet(const PopulationPlan& plan,
                                const std::vector<std::vector<ShownScene>>& rows) {
   std::size_t across = 1;
   for (const auto& row : rows) across = std::max(across, row.size());
-  constexpr int kRow = kCaption + 2 * kSide + 2 * kGap;
-  Canvas canvas(kLeft + static_cast<int>(across) * (kSide + kGap),
-                kRow * static_cast<int>(rows.size()));
+  constexpr int kRow = kCaption + kSide + kGap, kCell = 2 * kSide + kGap;
+  Canvas canvas(kLeft + static_cast<int>(across) * kCell, kRow * static_cast<int>(rows.size()));
   for (std::size_t i = 0; i < rows.size(); ++i) {
     const double top = kRow * static_cast<double>(i);
-    canvas.text({kGap, top + 0.5 * kCaption}, plan.strata[i].name, {.size = kText});
-    canvas.text({kGap, top + kCaption + 0.5 * kSide}, "truth", {.size = kText});
-    canvas.text({kGap, top + kCaption + 1.5 * kSide}, "found", {.size = kText});
+    canvas.text({kGap, top + kCaption + 0.5 * kSide}, plan.strata[i].name, {.size = kText});
     for (std::size_t j = 0; j < rows[i].size(); ++j) {
-      const double left = kLeft + static_cast<double>(j) * (kSide + kGap);
-      const ShownScene& shown = rows[i][j];
-      canvas.text(
-          {left + 0.5 * kSide, top + 0.5 * kCaption}, shown.name, {.size = kText, .across = 0.5});
-      draw(canvas, {left, top + kCaption}, shown.truth);
-      draw(canvas, {left, top + kCaption + kSide + kGap}, shown.found);
+      const double left = kLeft + static_cast<double>(j) * kCell;
+      canvas.text({left + kSide, top + 0.5 * kCaption},
+                  rows[i][j].name + ": truth, found",
+                  {.size = kText, .across = 0.5});
+      draw_pair(canvas, {left, top + kCaption}, rows[i][j]);
     }
   }
   return canvas.finish();
 }
 
 Image<glm::vec3> pair_picture(const ShownScene& shown) {
-  Canvas canvas(2 * kSide + kGap, kSide);
-  draw(canvas, {0, 0}, shown.truth);
-  draw(canvas, {kSide + kGap, 0}, shown.found);
+  Canvas canvas(2 * kSide, kSide);
+  draw_pair(canvas, {0, 0}, shown);
   return canvas.finish();
 }
 
@@ -292,7 +293,7 @@ Document dataset_document(const PopulationPlan& plan,
   Document document{.title = "Data set", .name = "dataset"};
   document.add(Text{head_text(plan, figures)})
       .add(strata_table(plan, figures))
-      .add(Picture{kSheet, "The first scenes of each stratum: the truth above what was found."});
+      .add(Picture{kSheet, "The first scenes of each stratum: the truth, and what was found."});
   add_shown(plan, folder, rows, out, document);
   Table refused = refusal_table(plan, figures);
   if (!refused.rows.empty()) document.add(Heading{"Refused"}).add(std::move(refused));

@@ -165,7 +165,7 @@ std::string run_commands(const PopulationPlan& plan,
           "interrupted; the same command goes on with the scenes that are made");
     }
     if (end.exit_code == kDone) continue;
-    const std::string line = without_folder(end.last_error, folder);
+    std::string line = without_folder(end.last_error, folder);
     if (end.exit_code == kBadInput && is_refusal_of_scene(line)) return line;
     const std::string what = "scene " + std::to_string(index) + ": " + words.front() + ": " + line;
     if (end.exit_code == kBadInput) throw UserError(what);
