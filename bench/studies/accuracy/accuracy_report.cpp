@@ -244,12 +244,14 @@ class RungCharts {
   Figure figure() const {
     const std::size_t seeds = results_.seeds.size();
     const bool of_settings = along_ == &AccuracySummary::setting;
-    Figure figure{.name = "errors_" + rung_,
-                  .caption = std::string("Errors by ") +
-                             (of_settings ? "setting and scene" : "scene") + ", rung " + rung_ +
-                             (seeds > 1 ? ": means over " + std::to_string(seeds) +
-                                              " seeds with 95 % intervals."
-                                        : ", of one seed.")};
+    Figure figure{
+        .name = "errors_" + rung_,
+        .caption =
+            std::string("Errors by ") + (of_settings ? "setting and scene" : "scene") + ", rung " +
+            rung_ +
+            (results_.of_population ? ": means over the scenes of each with 95 % intervals."
+             : seeds > 1 ? ": means over " + std::to_string(seeds) + " seeds with 95 % intervals."
+                         : ", of one seed.")};
     for (const char* measure : {"median_mm", "p95_mm", "missed_percent", "false_percent"}) {
       figure.panels.emplace_back(chart(measure));
     }

@@ -135,7 +135,7 @@ int dataset(const Arguments& arguments) {
   const Shard shard = parse_shard(arguments.shard);
   check_arguments(arguments, shard);
   const PopulationPlan plan = load_population_plan(arguments.plan);
-  const DatasetFolder folder(arguments.output.folder, plan);
+  const DatasetFolder folder(arguments.output.folder, plan, arguments.verified == 0);
   if (arguments.verified > 0) {
     return run_in_folder(arguments.output, {}, [&](OutputFolder&, Progress& progress) {
       return verify(arguments, plan, folder, progress);

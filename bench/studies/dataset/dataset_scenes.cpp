@@ -263,16 +263,16 @@ bool is_refusal_of_scene(const std::string& line) {
                              [&](std::string_view start) { return line.starts_with(start); });
 }
 
-DatasetFolder::DatasetFolder(fs::path folder, const PopulationPlan& plan)
+DatasetFolder::DatasetFolder(fs::path folder, const PopulationPlan& plan, bool adds_scenes)
     : folder_(std::move(folder)) {
   if (folder_.string().find(',') != std::string::npos) {
     refuse_out(folder_, "must have no comma, which --board takes for the end of a file's name");
   }
   make_folder(folder_ / "scenes");
-  check_head(plan);
+  check_head(plan, adds_scenes);
 }
 
-void DatasetFolder::check_head(const PopulationPlan& plan) const {
+void DatasetFolder::check_head(const PopulationPlan& plan, bool adds_scenes) const {
   const fs::path file = folder_ / "dataset.json";
   const Json head = {{"schema", "wobblebench.dataset/1"},
                      {"plan", plan.hash()},
@@ -282,10 +282,11 @@ void DatasetFolder::check_head(const PopulationPlan& plan) const {
     return;
   }
   const Json found = read_json(file);
-  for (const char* key : {"schema", "plan", "program"}) {
+  for (const std::string key : {"schema", "plan", "program"}) {
+    if (key == "program" && !adds_scenes) continue;
     if (found.is_object() && found.value(key, "") == head.at(key)) continue;
     refuse_out(folder_,
-               std::string("holds scenes of another ") + key +
+               "holds scenes of another " + key +
                    "; must be a folder of this plan and program, or a new one");
   }
 }

@@ -22,8 +22,8 @@ namespace wobblebench::bench {
 class DatasetFolder {
  public:
   /// Makes the folder where it is missing. Throws UserError "--out = DIR: reason", also for one
-  /// with scenes of another plan or program.
-  DatasetFolder(std::filesystem::path folder, const PopulationPlan& plan);
+  /// with scenes of another plan, or of another program where scenes are to be added.
+  DatasetFolder(std::filesystem::path folder, const PopulationPlan& plan, bool adds_scenes = true);
 
   std::filesystem::path scene(int index) const;
   bool has(int index) const;
@@ -32,7 +32,7 @@ class DatasetFolder {
   const std::filesystem::path& path() const { return folder_; }
 
  private:
-  void check_head(const PopulationPlan& plan) const;
+  void check_head(const PopulationPlan& plan, bool adds_scenes) const;
 
   std::filesystem::path folder_;
 };
