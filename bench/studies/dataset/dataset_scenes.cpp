@@ -14,8 +14,8 @@
 #include "bench/command/program.h"
 #include "bench/output/report_parts.h"
 #include "bench/scene/scene_text.h"
-#include "bench/studies/accuracy/accuracy_plan.h"
 #include "bench/studies/compare/child_program.h"
+#include "bench/studies/plans/option_tables.h"
 
 namespace wobblebench::bench {
 

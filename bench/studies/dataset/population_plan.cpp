@@ -16,7 +16,7 @@
 #include "bench/exchange/export/writers.h"
 #include "bench/scene/idle_options.h"
 #include "bench/scene/toml_file.h"
-#include "bench/studies/accuracy/accuracy_plan.h"
+#include "bench/studies/plans/option_tables.h"
 
 namespace wobblebench::bench {
 
