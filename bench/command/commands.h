@@ -33,6 +33,7 @@ Command add_validate_command(CLI::App& app);
 Command add_rungs_command(CLI::App& app);
 Command add_trade_command(CLI::App& app);
 Command add_tune_command(CLI::App& app);
+Command add_dataset_command(CLI::App& app);
 Command add_accuracy_command(CLI::App& app);
 Command add_fit_command(CLI::App& app);
 Command add_extremes_command(CLI::App& app);

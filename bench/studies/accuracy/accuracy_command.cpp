@@ -42,6 +42,9 @@ AccuracyPlan plan_of(const Arguments& arguments) {
                           : accuracy_plan_of_scene(file, arguments.plan.settings);
   if (!arguments.settings.empty())
     plan.settings = load_option_tables(arguments.settings, "settings");
+  if (arguments.seeds > 0 && !plan.drawn.empty()) {
+    throw UserError("--seeds: the population draws a seed for each scene; leave it out");
+  }
   if (arguments.seeds > 0) plan.seeds = seeds_from(plan.seeds.front(), arguments.seeds);
   return plan;
 }
@@ -71,9 +74,10 @@ std::vector<AccuracyScene> scenes_of(const AccuracyPlan& plan,
                                      const std::vector<std::string>& more) {
   std::vector<AccuracyScene> scenes(plan.scenes.size());
   for (std::size_t i = 0; i < scenes.size(); ++i) {
-    scenes[i].name = plan.scenes[i].name;
+    scenes[i].drawn = !plan.drawn.empty();
+    scenes[i].name = scenes[i].drawn ? plan.drawn[i].stratum : plan.scenes[i].name;
     scenes[i].rungs = plan.rungs;
-    scenes[i].seeds = plan.seeds;
+    scenes[i].seeds = scenes[i].drawn ? std::vector{plan.drawn[i].seed} : plan.seeds;
     for (const NamedOptions& setting : plan.settings) {
       scenes[i].settings.push_back(setting_of(plan, plan.scenes[i], setting, more));
     }
@@ -90,7 +94,9 @@ Json report_of(const AccuracyResults& results,
   report["scenes"] = Json::object();
   for (const AccuracyScene& scene : scenes) {
     for (const auto& setting : scene.settings) {
-      report["scenes"][scene.name][setting.name] = resolved(setting.scene);
+      const std::string key =
+          scene.drawn ? scene.name + "-" + std::to_string(scene.seeds.front()) : scene.name;
+      report["scenes"][key][setting.name] = resolved(setting.scene);
     }
   }
   report["accuracy"] = accuracy_json(results);

@@ -2,13 +2,12 @@
 
 #include <algorithm>
 #include <cctype>
-#include <sstream>
 
-#include "base/near_name.h"
 #include "base/text.h"
 #include "base/user_error.h"
 #include "bench/exchange/program/renderer_process.h"
 #include "bench/scene/toml_file.h"
+#include "bench/studies/dataset/population_plan.h"
 #include "bench/studies/validate/common/statistics.h"
 #include "sim/fidelity.h"
 
@@ -16,90 +15,14 @@ namespace wobblebench::bench {
 
 namespace {
 
-std::string text_of(const toml::node& node) {
-  std::ostringstream text;
-  node.visit([&](const auto& value) { text << value; });
-  std::string line = text.str();
-  // Long arrays are broken into lines.
-  std::replace(line.begin(), line.end(), '\n', ' ');
-  return line;
-}
-
-/// A relative path of a phantom's file, from the plan's folder.
-std::string beside(const std::filesystem::path& plan, const toml::node& node) {
-  const std::filesystem::path given = node.as_string()->get();
-  if (given.empty() || given.is_absolute()) return text_of(node);
-  std::ostringstream text;
-  text << toml::value<std::string>((plan.parent_path() / given).string());
-  return text.str();
-}
-
-/// Each value of a table as "section.key=value".
-void flatten(const toml::table& table,
-             const std::string& prefix,
-             const std::filesystem::path& plan,
-             std::vector<std::string>& settings) {
-  for (const auto& [key, node] : table) {
-    const std::string name = prefix + std::string(key.str());
-    if (const auto* inner = node.as_table()) {
-      flatten(*inner, name + ".", plan, settings);
-      continue;
-    }
-    const bool is_file =
-        node.is_string() && (name == "phantom.file" || name == "phantom.scatterers");
-    settings.push_back(name + "=" + (is_file ? beside(plan, node) : text_of(node)));
-  }
-}
-
-/// Names become parts of files' names.
-void check_option_name(const std::string& source, const std::string& key, const std::string& name) {
-  const bool plain = !name.empty() && name.size() <= 40 &&
-                     std::all_of(name.begin(), name.end(), [](unsigned char c) {
-                       return std::isalnum(c) != 0 || c == '_' || c == '-';
-                     });
-  if (!plain) {
-    refuse_plan(source, key + "." + name, "a name is 1 to 40 letters, digits, - and _");
-  }
-}
-
-/// `options.file` is the scene that [scenes.NAME] begins from, if it names one.
-void take_file(toml::table& table, const std::filesystem::path& path, NamedOptions& options) {
-  const toml::node* file = table.get("file");
-  if (file == nullptr) return;
-  if (!file->is_string()) {
-    refuse_plan(path.string(), "scenes." + options.name + ".file", "must be a text");
-  }
-  options.file = path.parent_path() / file->as_string()->get();
-  table.erase("file");
-}
-
-/// The table [KEY.NAME].
-NamedOptions read_options(toml::node& node,
-                          const std::string& key,
-                          const std::string& name,
-                          const std::filesystem::path& path) {
-  const std::string source = path.string();
-  check_option_name(source, key, name);
-  NamedOptions options{name, {}, {}};
-  toml::table* table = node.as_table();
-  if (table == nullptr) refuse_plan(source, key + "." + name, "must be a table");
-  if (key == "scenes") take_file(*table, path, options);
-  for (const auto& [section, inner] : *table) {
-    if (key == "settings" && section.str() != "render") {
-      refuse_plan(source,
-                  key + "." + name + "." + std::string(section.str()),
-                  "a setting holds [render] alone; a scan is changed in [scenes]");
-    }
-  }
-  flatten(*table, "", path, options.settings);
-  return options;
-}
-
 struct PlanOptions {
   int seeds = 10;
   std::uint64_t first_seed = 1;
   std::vector<std::string> rungs = {"field", "scatterers"};
   std::string reference;
+  std::string population;  ///< empty: the plan names its scenes
+  PopulationHalf half = PopulationHalf::judge;
+  int per_stratum = 10;
 };
 
 template <OptionsOf<PlanOptions> O, class Visitor>
@@ -108,6 +31,9 @@ void describe(O& o, Visitor& v) {
   v.seed("first_seed", o.first_seed);
   v.texts("rungs", o.rungs);
   v.text("reference", o.reference);
+  v.text("population", o.population);
+  v.choice("half", o.half, {{"train", PopulationHalf::train}, {"judge", PopulationHalf::judge}});
+  v.integer("per_stratum", o.per_stratum, 1, kMostSeeds);
 }
 
 std::vector<sim::Rung> read_rungs(const std::vector<std::string>& names,
@@ -148,6 +74,44 @@ void put_first(std::vector<NamedOptions>& settings,
   std::rotate(settings.begin(), found, found + 1);
 }
 
+/// Keys that do not act beside the others.
+void check_population_keys(const PlanOptions& options,
+                           const toml::table& root,
+                           const std::vector<std::string>& given,
+                           const std::string& source) {
+  const bool drawn = !options.population.empty();
+  const auto is_given = [&](const std::string& key) {
+    return std::ranges::find(given, "plan." + key) != given.end();
+  };
+  for (const char* key : {"seeds", "first_seed"}) {
+    if (drawn && is_given(key)) {
+      refuse_plan(source, key, "is drawn by the population, one a scene; leave it out");
+    }
+  }
+  if (drawn && root.contains("scenes")) {
+    refuse_plan(source, "scenes", "are drawn by the population; leave them out");
+  }
+  for (const char* key : {"half", "per_stratum"}) {
+    if (!drawn && is_given(key)) refuse_plan(source, key, "acts with population alone");
+  }
+}
+
+/// The scenes of the population's half in place of those of a plan.
+void draw_scenes(const PlanOptions& options,
+                 const std::filesystem::path& path,
+                 AccuracyPlan& plan) {
+  const PopulationPlan population = load_population_plan(path.parent_path() / options.population);
+  const std::string seed_key = "simulation.seed=";
+  for (DrawnScene& drawn : scenes_of_half(population, options.half, options.per_stratum)) {
+    const std::string& stratum = population.strata[drawn.stratum].name;
+    plan.drawn.push_back({stratum, std::stoull(drawn.value("simulation.seed"))});
+    std::erase_if(drawn.settings,
+                  [&](const std::string& setting) { return setting.starts_with(seed_key); });
+    plan.scenes.push_back(
+        {stratum + "-" + std::to_string(drawn.index), population.file, std::move(drawn.settings)});
+  }
+}
+
 /// These are varied by the plan.
 void refuse_varied(const Scene& scene, const std::string& source) {
   for (const char* key : {"simulation.fidelity", "simulation.seed"}) {
@@ -176,41 +140,6 @@ std::string setting_word(const std::string& setting) {
 
 }  // namespace
 
-void refuse_plan(const std::string& source, const std::string& key, const std::string& allowed) {
-  throw UserError(source + ": " + key + ": " + allowed);
-}
-
-void refuse_unknown_keys(const std::vector<std::string>& given,
-                         const std::vector<std::string>& known,
-                         const std::string& source) {
-  for (const std::string& key : given) {
-    if (std::find(known.begin(), known.end(), key) != known.end()) continue;
-    std::string names;
-    for (const std::string& name : known) names += (names.empty() ? "" : ", ") + name;
-    refuse_plan(source, key, "unknown; keys of a plan are " + names + did_you_mean(key, known));
-  }
-}
-
-std::vector<NamedOptions> load_option_tables(const std::filesystem::path& path,
-                                             const std::string& key) {
-  toml::table root = parse_toml_file(path, "a list of " + key);
-  toml::table* tables = root[key].as_table();
-  if (tables == nullptr || tables->empty()) {
-    refuse_plan(path.string(), key, "must be one or more tables [" + key + ".NAME]");
-  }
-  std::vector<NamedOptions> all;
-  for (auto& [name, node] : *tables) {
-    all.push_back(read_options(node, key, std::string(name.str()), path));
-  }
-  return all;
-}
-
-NamedOptions load_option_table(const std::filesystem::path& path, const std::string& key) {
-  toml::table root = parse_toml_file(path, "a plan");
-  toml::table* table = root[key].as_table();
-  return table == nullptr ? NamedOptions{key, {}, {}} : read_options(*table, "scenes", key, path);
-}
-
 bool is_accuracy_plan(const std::filesystem::path& path) {
   const toml::table root = parse_toml_file(path, "a plan or a scene");
   return root.contains("scenes") || root.contains("settings");
@@ -226,11 +155,14 @@ AccuracyPlan load_accuracy_plan(const std::filesystem::path& path) {
   for (const auto& [key, node] : root) given.emplace_back(key.str());
   for (const std::string& key : reader.known_keys()) known.push_back(key);
   refuse_unknown_keys(given, known, source);
-  AccuracyPlan plan{source,
-                    seeds_from(options.first_seed, options.seeds),
-                    read_rungs(options.rungs, source),
-                    load_option_tables(path, "scenes"),
-                    load_option_tables(path, "settings")};
+  check_population_keys(options, root, reader.given_keys(), source);
+  AccuracyPlan plan{
+      source,
+      seeds_from(options.first_seed, options.seeds),
+      read_rungs(options.rungs, source),
+      options.population.empty() ? load_option_tables(path, "scenes") : std::vector<NamedOptions>(),
+      load_option_tables(path, "settings")};
+  if (!options.population.empty()) draw_scenes(options, path, plan);
   put_first(plan.settings, options.reference, source);
   return plan;
 }
@@ -263,12 +195,6 @@ Scene planned_scene(const AccuracyPlan& plan,
   if (!plan.of_one_scene) refuse_varied(planned, source);
   settings.push_back("simulation.fidelity=" + sim::to_string(rung));
   return load_scene(scene.file, settings, source);
-}
-
-std::string plain_value(const std::string& value) {
-  const bool quoted = value.size() >= 2 && value.front() == value.back() &&
-                      (value.front() == '"' || value.front() == '\'');
-  return quoted ? value.substr(1, value.size() - 2) : value;
 }
 
 std::string run_command_line(const std::filesystem::path& scene,

@@ -3,10 +3,12 @@
 #include <algorithm>
 #include <iterator>
 #include <limits>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <utility>
 
 #include "base/units.h"
+#include "bench/evaluation/bootstrap.h"
 #include "bench/output/report_parts.h"
 
 namespace wobblebench::bench {
@@ -242,12 +244,14 @@ class RungCharts {
   Figure figure() const {
     const std::size_t seeds = results_.seeds.size();
     const bool of_settings = along_ == &AccuracySummary::setting;
-    Figure figure{.name = "errors_" + rung_,
-                  .caption = std::string("Errors by ") +
-                             (of_settings ? "setting and scene" : "scene") + ", rung " + rung_ +
-                             (seeds > 1 ? ": means over " + std::to_string(seeds) +
-                                              " seeds with 95 % intervals."
-                                        : ", of one seed.")};
+    Figure figure{
+        .name = "errors_" + rung_,
+        .caption =
+            std::string("Errors by ") + (of_settings ? "setting and scene" : "scene") + ", rung " +
+            rung_ +
+            (results_.of_population ? ": means over the scenes of each with 95 % intervals."
+             : seeds > 1 ? ": means over " + std::to_string(seeds) + " seeds with 95 % intervals."
+                         : ", of one seed.")};
     for (const char* measure : {"median_mm", "p95_mm", "missed_percent", "false_percent"}) {
       figure.panels.emplace_back(chart(measure));
     }
@@ -348,19 +352,91 @@ Table rows_table(const AccuracyResults& results) {
   return table;
 }
 
+std::string seeds_text(const AccuracyResults& results) {
+  if (results.of_population) {
+    return "Scenes are the strata of a population, whose scenes have a seed each, in "
+           "`accuracy.csv`";
+  }
+  return "Seeds " + std::to_string(results.seeds.front()) + " to " +
+         std::to_string(results.seeds.back());
+}
+
 std::string head_text(const AccuracyResults& results, const Provenance& provenance) {
   std::string text = "Made by `wobblebench accuracy`. Commit " + provenance.commit + ", " +
-                     provenance.cpu + ", " + provenance.gl_renderer + ". Seeds " +
-                     std::to_string(results.seeds.front()) + " to " +
-                     std::to_string(results.seeds.back()) +
+                     provenance.cpu + ", " + provenance.gl_renderer + ". " + seeds_text(results) +
                      "; mean ± half of the 95 % interval (Student's t). What is measured, and how: "
                      "decision 28. All rows are in `accuracy.csv`.\n";
   for (const std::string& note : results.notes) text += "\n" + note + ".\n";
   return text;
 }
 
+/// The measures of the table of strata.
+const std::vector<Column>& stratum_columns() {
+  static const std::vector<Column> columns = {
+      {"median_mm", "median", "mm"},
+      {"p95_mm", "P95", "mm"},
+      {"missed_surface_percent", "missed of the surface", "%"},
+      {"false_surface_percent", "false of what is found", "%"}};
+  return columns;
+}
+
+Cell bootstrap_cell(const std::vector<double>& values) {
+  const BootstrapMean mean = bootstrap_mean(values);
+  return mean.n > 0 ? Cell::spread(mean.mean, mean.low, mean.high) : Cell();
+}
+
+/// A measure of the scenes of a summary, by their seeds.
+std::map<std::uint64_t, double> measured_of(const AccuracyResults& results,
+                                            const AccuracySummary& of,
+                                            const std::string& setting,
+                                            const std::string& measure) {
+  std::map<std::uint64_t, double> values;
+  for (const AccuracyRow& row : results.rows) {
+    if (row.measures.group != "picture" || row.scene != of.scene || row.rung != of.rung) continue;
+    if (row.setting == setting) values[row.seed] = row.measures.values[index_of(measure)];
+  }
+  return values;
+}
+
+/// `reference`: a setting that is subtracted, scene by scene; empty: none.
+Table strata_table(const AccuracyResults& results, const std::string& reference) {
+  Table table{.name = reference.empty() ? "strata" : "strata_differences",
+              .columns = {{"stratum"}, {"rung"}, {"setting"}, {"scenes"}}};
+  for (const Column& column : stratum_columns()) table.columns.push_back(column);
+  for (const AccuracySummary& s : results.summaries) {
+    if (s.group != "picture" || s.setting == reference) continue;
+    std::vector<Cell> row = {s.scene, s.rung, s.setting, s.render_ms.n};
+    for (const Column& column : stratum_columns()) {
+      std::vector<double> values;
+      const auto theirs = measured_of(results, s, reference, column.key);
+      for (const auto& [seed, value] : measured_of(results, s, s.setting, column.key)) {
+        values.push_back(reference.empty() ? value : value - theirs.at(seed));
+      }
+      row.push_back(bootstrap_cell(values));
+    }
+    table.add(std::move(row), id_of(s));
+  }
+  return table;
+}
+
+void add_strata(const AccuracyResults& results, Document& document) {
+  if (!results.of_population) return;
+  document.add(Heading{"By stratum"})
+      .add(Text{
+          "Mean over the scenes of a stratum of each scene's own figure, and the 95 % interval "
+          "that resampling the scenes gives (bootstrap)."})
+      .add(strata_table(results, ""));
+  const std::string& reference = results.rows.front().setting;
+  Table differences = strata_table(results, reference);
+  if (differences.rows.empty()) return;
+  document.add(Text{"Less those of " + reference + ", scene by scene."})
+      .add(std::move(differences));
+}
+
 void add_pictures(const AccuracyResults& results, Document& document) {
-  document.add(Heading{"Pictures of seed " + std::to_string(results.seeds.front())})
+  const std::string of = results.of_population ? "the first scene of each stratum"
+                                               : "seed " + std::to_string(results.seeds.front());
+  document.add(Heading{"Pictures of " + of})
       .add(Text{"Each also as a file of its own, `accuracy_SCENE_RUNG_SETTING.png`."})
       .add(Picture{kAccuracySheet,
                    "Every scene and rung, by each setting, and the true surface shaded alike."});
@@ -399,8 +475,9 @@ Json accuracy_json(const AccuracyResults& results) {
 Document accuracy_document(const AccuracyResults& results, const Provenance& provenance) {
   Document document{
       .title = "Accuracy", .name = "accuracy", .data = {{"accuracy.csv", rows_table(results)}}};
-  document.add(Text{head_text(results, provenance)})
-      .add(Heading{"Whole pictures"})
+  document.add(Text{head_text(results, provenance)});
+  add_strata(results, document);
+  document.add(Heading{"Whole pictures"})
       .add(Text{
           "Time: of a new volume, all passes, each setting in turn for each seed; and over that "
           "of the first setting, seed by seed."});

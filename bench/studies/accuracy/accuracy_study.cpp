@@ -3,8 +3,11 @@
 #include <array>
 #include <limits>
 #include <map>
+#include <set>
+#include <string>
 #include <utility>
 
+#include "base/user_error.h"
 #include "bench/evaluation/measures/regions.h"
 #include "bench/evaluation/truth/shadows.h"
 #include "sim/fidelity.h"
@@ -46,6 +49,21 @@ class Study {
       : context_(context), cache_(cache), parts_(parts, done), note_(note) {}
 
   void measure(const AccuracyScene& planned) {
+    if (!planned.drawn) return measure_scene(planned);
+    try {
+      measure_scene(planned);
+      pictured_.insert(planned.name);
+    } catch (const UserError& error) {
+      note_refusal(planned, error.what());
+    } catch (const phantoms::InvalidPhantom& error) {
+      note_refusal(planned, std::string("phantom.") + error.what());
+    }
+  }
+
+  AccuracyResults results;
+
+ private:
+  void measure_scene(const AccuracyScene& planned) {
     Evaluator evaluator(planned.settings.front().scene, context_, cache_);
     for (const sim::Rung rung : planned.rungs) {
       for (const std::uint64_t seed : planned.seeds) {
@@ -53,14 +71,17 @@ class Study {
         for (const auto& setting : planned.settings) measure(planned, setting, seed, evaluator);
       }
     }
+    if (planned.drawn) return;
     const AccuracyBound bound = bound_of(
         planned.name, evaluator, evaluator.render_setting(planned.settings.front().scene).options);
     if (bound.spacing.n > 0) results.bounds.push_back(bound);
   }
 
-  AccuracyResults results;
+  void note_refusal(const AccuracyScene& planned, const std::string& line) {
+    results.notes.push_back("A scene of " + planned.name + " (seed " +
+                            std::to_string(planned.seeds.front()) + ") is refused: " + line);
+  }
 
- private:
   void measure(const AccuracyScene& planned,
                const AccuracyScene::Setting& setting,
                std::uint64_t seed,
@@ -74,7 +95,7 @@ class Study {
     add_rows({planned.name, rung, setting.name, seed, {}, render_ms}, evaluation);
     add_times(evaluation.times);
     parts_.finish_one();
-    if (seed != planned.seeds.front()) return;
+    if (seed != planned.seeds.front() || pictured_.contains(planned.name)) return;
     note_missing_surface(planned.name, rung, evaluation.measures.raw);
     if (&setting == &planned.settings.front()) {
       auto shaded = shade_truth(evaluator.truth(options).truth, options, evaluation.picture.volume);
@@ -121,6 +142,7 @@ class Study {
   PhantomCache& cache_;
   PartCount parts_;
   const AccuracyNote& note_;
+  std::set<std::string> pictured_;  ///< strata whose pictures are there
 };
 
 /// Scene, rung, group, region and setting of a summary.
@@ -209,7 +231,9 @@ AccuracyResults measure_accuracy(const std::vector<AccuracyScene>& scenes,
                                  const AccuracyNote& note) {
   Study study(context, cache, accuracy_parts(scenes), done, note);
   for (const AccuracyScene& scene : scenes) study.measure(scene);
+  if (study.results.rows.empty()) throw UserError(study.results.notes.front());
   study.results.seeds = scenes.front().seeds;
+  study.results.of_population = scenes.front().drawn;
   study.results.summaries = summarise(study.results.rows, scenes.front().settings.front().name);
   return std::move(study.results);
 }

@@ -29,6 +29,10 @@ struct AccuracyScene {
   std::vector<Setting> settings;
   std::vector<sim::Rung> rungs;
   std::vector<std::uint64_t> seeds;
+  /// One of a population: `name` is its stratum, which other scenes are of, too. Bounds are left
+  /// out then, pictures are of the stratum's first scene, and a phantom that cannot be built is a
+  /// note.
+  bool drawn = false;
 };
 
 /// A row of accuracy.csv.
@@ -78,6 +82,7 @@ struct AccuracyResults {
   std::vector<std::string> notes;     ///< scenes without a surface in view, and why
   EvaluationTimes times;              ///< sums over all evaluations
   int evaluations = 0;
+  bool of_population = false;  ///< scenes are strata, and seeds are those of their scenes
 };
 
 /// What is being evaluated, for the progress line.

@@ -1,6 +1,5 @@
 // Time against error over a plan's settings.
 #include <algorithm>
-#include <cstdio>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -9,6 +8,7 @@
 #include "bench/command/commands.h"
 #include "bench/command/common_options.h"
 #include "bench/command/run_in_folder.h"
+#include "bench/command/shard.h"
 #include "bench/command/software_renderer.h"
 #include "bench/exchange/program/renderer_process.h"
 #include "bench/output/image_io.h"
@@ -18,8 +18,6 @@
 namespace wobblebench::bench {
 
 namespace {
-
-constexpr int kMostShards = 10000;
 
 struct Arguments {
   const CLI::App* command = nullptr;
@@ -32,24 +30,6 @@ struct Arguments {
   std::string gl = "auto";
   std::vector<std::string> renderers;
 };
-
-struct Shard {
-  int index = 1, count = 1;
-};
-
-Shard parse_shard(const std::string& text) {
-  Shard shard;
-  char end = 0;
-  const bool read = std::sscanf(text.c_str(), "%5d/%5d%c", &shard.index, &shard.count, &end) == 2;
-  const bool allowed = read && shard.index >= 1 && shard.index <= shard.count &&
-                       shard.count <= kMostShards &&
-                       text == std::to_string(shard.index) + "/" + std::to_string(shard.count);
-  if (!allowed) {
-    throw UserError("--shard = " + text + ": must be I/N, 1 to N, with N at most " +
-                    std::to_string(kMostShards));
-  }
-  return shard;
-}
 
 TradeWork work_of(const Arguments& arguments) {
   TradeWork work{load_trade_plan(arguments.plan), {}, arguments.settings};

@@ -67,9 +67,9 @@ TEST(Answers, HelpOfEveryCommandIsNoError) {
   const auto all = bench({"--help"}, folder);
   EXPECT_EQ(all.exit_code, 0);
   for (const char* const command :
-       {"run",      "score", "stream",   "latency",  "record", "inspect", "conformance",
-        "rehearse", "board", "stand-in", "phantom",  "tables", "modes",   "validate",
-        "rungs",    "trade", "tune",     "accuracy", "fit",    "extremes"}) {
+       {"run",      "score", "stream",   "latency",  "record", "inspect",  "conformance",
+        "rehearse", "board", "stand-in", "phantom",  "tables", "modes",    "validate",
+        "rungs",    "trade", "tune",     "accuracy", "fit",    "extremes", "dataset"}) {
     EXPECT_NE(all.out.find(std::string("\n  ") + command + " "), std::string::npos) << command;
     for (const char* const help : {"-h", "--help"}) {
       const auto result = bench({command, help}, folder);

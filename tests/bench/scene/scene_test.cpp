@@ -1,5 +1,6 @@
 #include "bench/scene/resolved_scene.h"
 #include "bench/studies/accuracy/accuracy_plan.h"
+#include "bench/studies/dataset/population_plan.h"
 
 #include <gtest/gtest.h>
 
@@ -63,6 +64,10 @@ TEST_F(SceneFile, ScenesOfTheDocsAreValid) {
     if (entry.path().extension() != ".toml") continue;                // a list of scatterers
     if (entry.path().stem().string().starts_with("trade")) continue;  // read in trade_test.cpp
     if (entry.path().stem() == "compare") continue;                   // read in compare_test.cpp
+    if (entry.path().stem().string().starts_with("population")) {
+      EXPECT_NO_THROW(load_population_plan(entry.path())) << entry.path();
+      continue;
+    }
     ++scenes;
     if (!is_accuracy_plan(entry.path())) {
       EXPECT_NO_THROW(load_scene(entry.path(), {})) << entry.path();

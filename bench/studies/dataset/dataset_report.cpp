@@ -1,0 +1,312 @@
+#include "bench/studies/dataset/dataset_report.h"
+
+#include <algorithm>
+#include <fstream>
+#include <limits>
+#include <nlohmann/json.hpp>
+#include <stdexcept>
+
+#include "base/file.h"
+#include "base/statistics.h"
+#include "bench/output/encoders.h"
+#include "bench/output/image_io.h"
+#include "bench/output/picture/canvas.h"
+#include "bench/output/report_parts.h"
+
+namespace wobblebench::bench {
+
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+constexpr const char* kManifest = "manifest.jsonl";
+constexpr const char* kSheet = "contact_sheet.png";
+constexpr int kMostShown = 48, kMostAcross = 4;
+constexpr int kSide = 150, kGap = 12, kLeft = 110, kCaption = 20;
+constexpr double kText = 13;
+
+SceneFigures figures_of(const PopulationPlan& plan, int index, const Json& line) {
+  SceneFigures figures{.index = index,
+                       .stratum = plan.stratum_of[static_cast<std::size_t>(index)],
+                       .refusal = line.value("refused", ""),
+                       .bytes = line.at("bytes").get<double>()};
+  if (!line.contains("error") || line["error"].is_null()) return figures;
+  const Json& error = line["error"];
+  figures.measured = true;
+  const auto take = [&](const char* name, double& value) {
+    const Json& found = error.at(name);
+    value = found.is_number() ? found.get<double>() : std::numeric_limits<double>::quiet_NaN();
+  };
+  take("median_mm", figures.median_mm);
+  take("p95_mm", figures.p95_mm);
+  take("missed_percent", figures.missed_percent);
+  take("false_percent", figures.false_percent);
+  return figures;
+}
+
+/// Of one stratum: the scenes with a picture.
+std::vector<const SceneFigures*> measured_of(const std::vector<SceneFigures>& figures,
+                                             std::size_t stratum) {
+  std::vector<const SceneFigures*> measured;
+  for (const SceneFigures& one : figures) {
+    if (one.stratum == stratum && one.measured) measured.push_back(&one);
+  }
+  return measured;
+}
+
+int refused_of(const std::vector<SceneFigures>& figures, std::size_t stratum) {
+  return static_cast<int>(std::ranges::count_if(figures, [&](const SceneFigures& one) {
+    return one.stratum == stratum && !one.refusal.empty();
+  }));
+}
+
+/// Median over the scenes, and the quartiles beside it.
+Cell spread_cell(const std::vector<const SceneFigures*>& scenes, double SceneFigures::*figure) {
+  std::vector<double> values;
+  for (const SceneFigures* one : scenes) {
+    if (std::isfinite(one->*figure)) values.push_back(one->*figure);
+  }
+  if (values.empty()) return {};
+  const Quartiles quartiles = quartiles_of(values);
+  return Cell::spread(quartiles.median, quartiles.lower, quartiles.upper);
+}
+
+Table strata_table(const PopulationPlan& plan, const std::vector<SceneFigures>& figures) {
+  Table table{.name = "strata",
+              .caption = "Median over the scenes (quartiles).",
+              .columns = {{"stratum"},
+                          {"scenes"},
+                          {"refused"},
+                          {"median_mm", "median", "mm"},
+                          {"p95_mm", "P95", "mm"},
+                          {"missed_percent", "missed", "%"},
+                          {"false_percent", "false", "%"}}};
+  for (std::size_t i = 0; i < plan.strata.size(); ++i) {
+    const auto scenes = measured_of(figures, i);
+    table.add({plan.strata[i].name,
+               plan.strata[i].scenes,
+               refused_of(figures, i),
+               spread_cell(scenes, &SceneFigures::median_mm),
+               spread_cell(scenes, &SceneFigures::p95_mm),
+               spread_cell(scenes, &SceneFigures::missed_percent),
+               spread_cell(scenes, &SceneFigures::false_percent)});
+  }
+  return table;
+}
+
+Table refusal_table(const PopulationPlan& plan, const std::vector<SceneFigures>& figures) {
+  constexpr std::size_t kMostRows = 100;
+  Table table{.name = "refused", .columns = {{"scene"}, {"stratum"}, {"line"}}};
+  for (const SceneFigures& one : figures) {
+    if (one.refusal.empty() || table.rows.size() == kMostRows) continue;
+    table.add({one.index, plan.strata[one.stratum].name, one.refusal});
+  }
+  return table;
+}
+
+/// A picture of a scene's folder; empty: it has none.
+Image<glm::vec3> picture_of(const fs::path& file) {
+  std::error_code ignored;
+  if (!fs::is_regular_file(file, ignored)) return {};
+  constexpr int kMostSide = 16384;
+  const DecodedPicture decoded = encoders().decode(file, kMostSide);
+  const std::size_t channels = decoded.channels.size();
+  if (channels < 3 || !decoded.integers)
+    throw std::runtime_error(file.string() + ": is no picture");
+  Image<glm::vec3> picture(decoded.width, decoded.height);
+  for (std::size_t i = 0; i < picture.pixels.size(); ++i) {
+    for (int c = 0; c < 3; ++c) {
+      picture.pixels[i][c] =
+          static_cast<float>(decoded.values[i * channels + static_cast<std::size_t>(c)] / 255);
+    }
+  }
+  return picture;
+}
+
+/// A scene of the contact sheet.
+struct ShownScene {
+  const SceneFigures* figures;
+  std::string name;  ///< of its folder
+  Image<glm::vec3> truth, found;
+};
+
+/// The first scenes of each stratum that were made: a row a stratum.
+std::vector<std::vector<ShownScene>> shown_scenes(const PopulationPlan& plan,
+                                                  const DatasetFolder& folder,
+                                                  const std::vector<SceneFigures>& figures) {
+  const auto across = static_cast<std::size_t>(
+      std::clamp(kMostShown / static_cast<int>(plan.strata.size()), 1, kMostAcross));
+  std::vector<std::vector<ShownScene>> rows(std::min<std::size_t>(plan.strata.size(), kMostShown));
+  for (const SceneFigures& one : figures) {
+    if (one.stratum >= rows.size() || !one.refusal.empty()) continue;
+    auto& row = rows[one.stratum];
+    if (row.size() == across) continue;
+    const fs::path of = folder.scene(one.index);
+    row.push_back({&one,
+                   of.filename().string(),
+                   picture_of(of / "truth.png"),
+                   picture_of(of / "surface.png")});
+  }
+  return rows;
+}
+
+void draw(Canvas& canvas, const Point2& corner, const Image<glm::vec3>& picture) {
+  const Box2 box{corner, corner + Point2(kSide, kSide)};
+  if (picture.pixels.empty()) {
+    canvas.text((box.low + box.high) * 0.5, "none", {.size = kText, .across = 0.5});
+  } else {
+    canvas.picture(box, picture);
+  }
+}
+
+/// The truth and what was found, side by side.
+void draw_pair(Canvas& canvas, const Point2& corner, const ShownScene& shown) {
+  draw(canvas, corner, shown.truth);
+  draw(canvas, corner + Point2(kSide, 0), shown.found);
+}
+
+/// A row a stratum.
+Image<glm::vec3> contact_sheet(const PopulationPlan& plan,
+                               const std::vector<std::vector<ShownScene>>& rows) {
+  std::size_t across = 1;
+  for (const auto& row : rows) across = std::max(across, row.size());
+  constexpr int kRow = kCaption + kSide + kGap, kCell = 2 * kSide + kGap;
+  Canvas canvas(kLeft + static_cast<int>(across) * kCell, kRow * static_cast<int>(rows.size()));
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    const double top = kRow * static_cast<double>(i);
+    canvas.text({kGap, top + kCaption + 0.5 * kSide}, plan.strata[i].name, {.size = kText});
+    for (std::size_t j = 0; j < rows[i].size(); ++j) {
+      const double left = kLeft + static_cast<double>(j) * kCell;
+      canvas.text({left + kSide, top + 0.5 * kCaption},
+                  rows[i][j].name + ": truth, found",
+                  {.size = kText, .across = 0.5});
+      draw_pair(canvas, {left, top + kCaption}, rows[i][j]);
+    }
+  }
+  return canvas.finish();
+}
+
+Image<glm::vec3> pair_picture(const ShownScene& shown) {
+  Canvas canvas(2 * kSide, kSide);
+  draw_pair(canvas, {0, 0}, shown);
+  return canvas.finish();
+}
+
+/// What was drawn for a scene, as a list.
+std::string settings_text(const Json& line) {
+  std::string text;
+  for (const auto& [key, value] : line.at("settings").items()) {
+    text += "- `" + key + "` " + value.dump() + "\n";
+  }
+  return text;
+}
+
+void add_shown(const PopulationPlan& plan,
+               const DatasetFolder& folder,
+               const std::vector<std::vector<ShownScene>>& rows,
+               OutputFolder& out,
+               Document& document) {
+  Table table{.name = "scenes",
+              .caption = "Scenes of the contact sheet; choose a row to see what was drawn.",
+              .columns = {{"scene"},
+                          {"stratum"},
+                          {"median_mm", "median", "mm"},
+                          {"p95_mm", "P95", "mm"},
+                          {"missed_percent", "missed", "%"},
+                          {"false_percent", "false", "%"}}};
+  std::vector<Detail> details;
+  for (const auto& row : rows) {
+    for (const ShownScene& shown : row) {
+      const SceneFigures& one = *shown.figures;
+      const Json line = folder.line(one.index);
+      const std::string file = "scene_" + shown.name + ".png";
+      write_png(out.stage(file), pair_picture(shown));
+      table.add({shown.name,
+                 plan.strata[one.stratum].name,
+                 one.median_mm,
+                 one.p95_mm,
+                 one.missed_percent,
+                 one.false_percent},
+                shown.name);
+      details.push_back({.id = shown.name,
+                         .title = "Scene " + shown.name + ", " + plan.strata[one.stratum].name +
+                                  ": truth and what was found",
+                         .command = line.at("command").get<std::string>(),
+                         .text = settings_text(line),
+                         .picture_file = file});
+    }
+  }
+  document.add(std::move(table));
+  for (Detail& detail : details) document.add(std::move(detail));
+}
+
+double mean_bytes(const std::vector<SceneFigures>& figures) {
+  double sum = 0, made = 0;
+  for (const SceneFigures& one : figures) {
+    if (!one.refusal.empty()) continue;
+    sum += one.bytes;
+    ++made;
+  }
+  return made > 0 ? sum / made : 0;
+}
+
+int refused_in_all(const std::vector<SceneFigures>& figures) {
+  return static_cast<int>(
+      std::ranges::count_if(figures, [](const SceneFigures& one) { return !one.refusal.empty(); }));
+}
+
+std::string head_text(const PopulationPlan& plan, const std::vector<SceneFigures>& figures) {
+  return "Made by `wobblebench dataset " + plan.source + "`. " + std::to_string(plan.scenes) +
+         " scenes, " + std::to_string(refused_in_all(figures)) +
+         " of them refused; all sticks are simulated. `" + kManifest +
+         "` has a line for each, with what was drawn, the measures of the face, hashes of the "
+         "files and the command that makes it again from this folder; the files are in "
+         "`scenes/NUMBER/`.";
+}
+
+}  // namespace
+
+std::vector<SceneFigures> stage_manifest(const PopulationPlan& plan,
+                                         const DatasetFolder& folder,
+                                         OutputFolder& out) {
+  const fs::path path = out.stage(kManifest);
+  std::ofstream manifest(path, std::ios::binary);
+  std::vector<SceneFigures> figures;
+  for (int i = 0; i < plan.scenes; ++i) {
+    const Json line = folder.line(i);
+    manifest << line.dump() << "\n";
+    figures.push_back(figures_of(plan, i, line));
+  }
+  manifest.close();
+  if (!manifest) throw std::runtime_error(path.string() + ": cannot be written");
+  sync_file(path);
+  return figures;
+}
+
+Document dataset_document(const PopulationPlan& plan,
+                          const DatasetFolder& folder,
+                          const std::vector<SceneFigures>& figures,
+                          OutputFolder& out) {
+  const auto rows = shown_scenes(plan, folder, figures);
+  write_png(out.stage(kSheet), contact_sheet(plan, rows));
+  Document document{.title = "Data set", .name = "dataset"};
+  document.add(Text{head_text(plan, figures)})
+      .add(strata_table(plan, figures))
+      .add(Picture{kSheet, "The first scenes of each stratum: the truth, and what was found."});
+  add_shown(plan, folder, rows, out, document);
+  Table refused = refusal_table(plan, figures);
+  if (!refused.rows.empty()) document.add(Heading{"Refused"}).add(std::move(refused));
+  return document;
+}
+
+Json dataset_json(const PopulationPlan& plan, const std::vector<SceneFigures>& figures) {
+  return {{"plan", plan.source},
+          {"plan_hash", plan.hash()},
+          {"scenes", plan.scenes},
+          {"refused", refused_in_all(figures)},
+          {"bytes_per_scene", mean_bytes(figures)},
+          {"strata", to_json(strata_table(plan, figures))}};
+}
+
+}  // namespace wobblebench::bench
