@@ -14,7 +14,7 @@ set(dev_headers
   hw/probe/clock.h hw/probe/motor_deviation.h hw/wire/account.h
   render/camera.h render/picture.h render/gl/texels.h)
 set(bench_headers
-  phantoms/options.h phantoms/phantom.h phantoms/placed_phantom.h phantoms/truth.h
+  phantoms/options.h phantoms/parts.h phantoms/phantom.h phantoms/placed_phantom.h phantoms/truth.h
   sim/options.h sim/probe_simulator.h sim/card/sim_link.h
   bench/evaluation/measures/depth_error.h bench/evaluation/registration/registration.h bench/evaluation/truth/truth.h
   bench/scene/scene.h bench/scene/resolved_scene.h
