@@ -29,7 +29,7 @@ constexpr std::array<PartName, 31> kPartNames = {{
     {Part::cheek, "cheek", "soft cheek"},
     {Part::cheekbone, "cheekbone", "skin over the zygomatic bone, and the temple"},
     {Part::ear, "ear", "outer ear"},
-    {Part::midface, "midface", "base of the face, where nothing stands out from it"},
+    {Part::face_base, "face_base", "base of the face, where nothing stands out from it"},
     {Part::around_mouth, "around_mouth", "rounded base that carries the lips"},
     {Part::cleft, "cleft", "sides and floor of a cleft of lip and jaw"},
     {Part::neck, "neck", "neck"},

@@ -29,7 +29,7 @@ enum class Part : std::uint8_t {
   cheek = 12,
   cheekbone = 13,
   ear = 14,
-  midface = 15,
+  face_base = 15,
   around_mouth = 16,
   cleft = 17,
   // Of the rest of the child.

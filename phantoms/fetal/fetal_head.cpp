@@ -119,7 +119,7 @@ void HeadBuilder::add_face() {
   CsgBody& skin = head_.skin;
   const double mouth = shape_.mouth(), side = shape_.zygoma;
   const double chin = shape_.menton - open_;
-  skin.begin(Part::midface);
+  skin.begin(Part::face_base);
   skin.unite(ellipsoid({0, 0.33 * chin, 22}, {side + 1.9, 0.7 * chin, 20}), mm(8));
   skin.begin(Part::cheekbone);
   unite_pair(skin, ellipsoid({side - 0.1, -2, 19}, {3.5, 5, 7}), 6, PairedPart::zygoma);

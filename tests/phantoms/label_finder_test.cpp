@@ -74,7 +74,7 @@ TEST(Parts, KeepTheirNumbers) {
       {"forehead", 1},      {"brow", 2},           {"eyelids", 3},        {"nose", 4},
       {"philtrum", 5},      {"upper_lip", 6},      {"lower_lip", 7},      {"mouth", 8},
       {"tongue", 9},        {"chin", 10},          {"jaw", 11},           {"cheek", 12},
-      {"cheekbone", 13},    {"ear", 14},           {"midface", 15},       {"around_mouth", 16},
+      {"cheekbone", 13},    {"ear", 14},           {"face_base", 15},     {"around_mouth", 16},
       {"cleft", 17},        {"neck", 20},          {"body", 21},          {"arm", 22},
       {"hand", 23},         {"cord", 24},          {"skull", 30},         {"brain", 31},
       {"eye", 32},          {"uterine_wall", 40},  {"placenta", 41},      {"maternal_muscle", 42},

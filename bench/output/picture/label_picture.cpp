@@ -32,7 +32,7 @@ constexpr std::array<std::pair<Part, std::uint32_t>, 31> kColours = {{
     {Part::cheek, 0xa9d98c},
     {Part::cheekbone, 0x35a79c},
     {Part::ear, 0x8e5bc0},
-    {Part::midface, 0xe7d7c1},
+    {Part::face_base, 0xe7d7c1},
     {Part::around_mouth, 0xc7c24a},
     {Part::cleft, 0x101010},
     {Part::neck, 0x8a8f98},
