@@ -14,12 +14,12 @@ set(dev_headers
   hw/probe/clock.h hw/probe/motor_deviation.h hw/wire/account.h
   render/camera.h render/picture.h render/gl/texels.h)
 set(bench_headers
-  phantoms/options.h phantoms/parts.h phantoms/phantom.h phantoms/placed_phantom.h phantoms/truth.h
+  phantoms/options.h phantoms/phantom.h phantoms/placed_phantom.h phantoms/truth.h
   sim/options.h sim/probe_simulator.h sim/card/sim_link.h
   bench/evaluation/measures/depth_error.h bench/evaluation/registration/registration.h bench/evaluation/truth/truth.h
   bench/scene/scene.h bench/scene/resolved_scene.h
   # included by these
-  phantoms/material.h phantoms/motion.h phantoms/point_scatterers.h sim/fidelity.h sim/iq_sink.h)
+  phantoms/material.h phantoms/motion.h phantoms/parts.h phantoms/point_scatterers.h sim/fidelity.h sim/iq_sink.h)
 # From a scene and a board to a picture: examples/cpp/render_scene.cpp is the example of them all.
 set(pipeline_headers
   base/user_error.h bench/cache/phantom_cache.h bench/output/image_io.h bench/output/progress.h
