@@ -1,6 +1,7 @@
 #include "bench/evaluation/truth/labels.h"
 
 #include <tbb/blocked_range.h>
+#include <tbb/enumerable_thread_specific.h>
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
@@ -197,11 +198,12 @@ Image<std::uint8_t> parts_before(const ResolvedScene& scene,
                                  const Truth& truth,
                                  std::uint32_t volume) {
   const render::View view = scene.view();
-  const SightLines shared(scene.subject().value(), scene.plan(), view, volume);
+  tbb::enumerable_thread_specific<SightLines> of_threads(
+      scene.subject().value(), scene.plan(), view, volume);
   Image<std::uint8_t> before(truth.kind.width, truth.kind.height, 0);
   tbb::parallel_for(
       tbb::blocked_range<int>(0, before.height), [&](const tbb::blocked_range<int>& rows) {
-        const SightLines sight(shared);
+        const SightLines& sight = of_threads.local();
         for (int row = rows.begin(); row < rows.end(); ++row) {
           for (int column = 0; column < before.width; ++column) {
             if (truth.kind.at(column, row) == TruthKind::none) continue;
