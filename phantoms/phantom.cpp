@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "phantoms/grids.h"
+#include "phantoms/label_finder.h"
 
 namespace wobblebench::phantoms {
 
@@ -40,9 +41,13 @@ Phantom Phantom::with(const PointScatterers& more) const {
   return phantom;
 }
 
-Phantom Phantom::with_features(std::vector<Feature> features) const {
+Phantom Phantom::with_parts(PhantomParts parts, std::vector<Landmark> landmarks) const {
+  if (parts.surfaces.size() != surfaces_.size()) {
+    throw std::logic_error("phantom " + name_ + ": needs parts for each surface");
+  }
   Phantom phantom(*this);
-  phantom.features_ = std::move(features);
+  phantom.parts_ = std::make_shared<const PhantomParts>(std::move(parts));
+  phantom.landmarks_ = std::move(landmarks);
   return phantom;
 }
 

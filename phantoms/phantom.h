@@ -7,7 +7,6 @@
 #pragma once
 
 #include <filesystem>
-#include <glm/geometric.hpp>
 #include <glm/mat3x3.hpp>
 #include <glm/vec3.hpp>
 #include <memory>
@@ -22,7 +21,8 @@
 
 namespace wobblebench::phantoms {
 
-struct Grids;  // phantoms/grids.h
+struct Grids;         // phantoms/grids.h
+struct PhantomParts;  // phantoms/label_finder.h
 
 /// An axis-aligned box.
 struct Box {
@@ -38,22 +38,10 @@ struct Surface {
   bool is_target = false;
 };
 
-struct FeatureBall {
-  glm::dvec3 center_m{0};
-  double radius_m = 0;
-};
-
-/// What lies within one of some balls, in the phantom frame at rest.
-struct Feature {
+/// A point of a surface that has a name in the field, such as "pronasale".
+struct Landmark {
   std::string name;
-  std::vector<FeatureBall> balls;
-
-  bool contains(const glm::dvec3& rest_m) const {
-    for (const FeatureBall& ball : balls) {
-      if (glm::distance(rest_m, ball.center_m) < ball.radius_m) return true;
-    }
-    return false;
-  }
+  glm::dvec3 position_m{0};  ///< phantom frame at rest, on the surface
 };
 
 /// What a part of the phantom measures, by calipers on its finished surface.
@@ -87,8 +75,9 @@ class Phantom {
 
   /// The same with more point scatterers.
   [[nodiscard]] Phantom with(const PointScatterers& more) const;
-  /// The same with these named parts. Files of write_phantom() do not hold them.
-  [[nodiscard]] Phantom with_features(std::vector<Feature> features) const;
+  /// The same with these named parts, one for each surface, and landmarks. Files of write_phantom()
+  /// do not hold them.
+  [[nodiscard]] Phantom with_parts(PhantomParts parts, std::vector<Landmark> landmarks) const;
   /// The same with these measures. Files of write_phantom() do not hold them.
   [[nodiscard]] Phantom with_measures(std::vector<PhantomMeasure> measures) const;
 
@@ -107,8 +96,9 @@ class Phantom {
   /// Echo beside the tissue, wherever they lie.
   const PointScatterers& scatterers() const { return *scatterers_; }
   std::shared_ptr<const PointScatterers> shared_scatterers() const { return scatterers_; }
-  /// Where they overlap, the first counts. Empty: it has no named parts.
-  const std::vector<Feature>& features() const { return features_; }
+  /// Null: its parts have no names but those of its surfaces.
+  const PhantomParts* parts() const { return parts_.get(); }
+  const std::vector<Landmark>& landmarks() const { return landmarks_; }
   /// Of the face, the labels of its identity. Empty: nothing was measured.
   const std::vector<PhantomMeasure>& measures() const { return measures_; }
 
@@ -122,7 +112,8 @@ class Phantom {
   std::shared_ptr<const Grids> grids_;
   std::optional<Joint> joint_;
   std::shared_ptr<const PointScatterers> scatterers_;
-  std::vector<Feature> features_;
+  std::shared_ptr<const PhantomParts> parts_;
+  std::vector<Landmark> landmarks_;
   std::vector<PhantomMeasure> measures_;
 };
 

@@ -14,7 +14,8 @@ set(slow_suites
   SimLink Speckle SpeckleSizeStudy SpeckleStudy Steps StreamCommand SurfaceFinder Tables TablesProgram
   TissueMap Tolerance Trade Truth Tune TurnedMesh VdbFile VdbImport Velocities/TruthOfMovingSphere
   Weeks/Biometry Weeks/FetalScene WithRecording WithScale Views/DepthPoints DepthToPoints PictureSides Hints
-  Warnings EqualReports IncidenceCorrection Journal Surroundings MotorAngles MotorAngles/EachLaw RunWarnings StlImport)
+  Warnings EqualReports IncidenceCorrection Journal Surroundings MotorAngles MotorAngles/EachLaw RunWarnings StlImport
+  Labels Landmarks PixelLabels Visibility)
 
 set(nightly_suites Bases/IdleSweep)
 

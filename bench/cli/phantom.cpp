@@ -19,6 +19,7 @@
 #include "bench/scene/resolved_scene.h"
 #include "bench/scene/scene.h"
 #include "phantoms/grids.h"
+#include "phantoms/label_finder.h"
 #include "phantoms/phantom.h"
 
 namespace wobblebench::bench {
@@ -145,6 +146,16 @@ std::string scatterers_line(const phantoms::PointScatterers& points) {
   return text.str();
 }
 
+/// Positions in the phantom frame; null: it has none.
+Json landmarks_json(const phantoms::Phantom& phantom) {
+  if (phantom.landmarks().empty()) return nullptr;
+  Json landmarks = Json::object();
+  for (const phantoms::Landmark& landmark : phantom.landmarks()) {
+    landmarks[landmark.name] = in_mm(landmark.position_m);
+  }
+  return landmarks;
+}
+
 Json phantom_json(const phantoms::Phantom& phantom) {
   Json surfaces = Json::array();
   std::uint64_t voxels = 0, bytes = 0;
@@ -166,6 +177,7 @@ Json phantom_json(const phantoms::Phantom& phantom) {
           {"suggested_position_mm", in_mm(phantom.suggested_position_m())},
           {"joint", joint_json(phantom.joint())},
           {"measures", measures_json(phantom)},
+          {"landmarks_mm", landmarks_json(phantom)},
           {"materials", materials_json(phantom)}};
 }
 
@@ -251,10 +263,24 @@ Document phantom_document(const phantoms::Phantom& phantom, const std::string& s
   return document;
 }
 
+/// The labels of labels.vdb.
+Table label_names_table(const phantoms::Phantom& phantom) {
+  Table table{.name = "labels", .columns = {{"label"}, {"name"}, {"meaning"}}};
+  for (const phantoms::LabelName& name : phantoms::label_names(phantom)) {
+    std::string meaning;
+    for (const phantoms::PartName& part : phantoms::part_names()) {
+      if (static_cast<int>(part.part) == int{name.label}) meaning = part.meaning;
+    }
+    table.add({static_cast<int>(name.label), name.name, meaning});
+  }
+  return table;
+}
+
 struct Arguments {
   SceneArguments scene;
   CacheArguments cache;
   OutputArguments output;
+  bool labels = false;
 };
 
 /// The scene with the phantom's placement. A motion that the phantom cannot make is no fault: it is
@@ -271,7 +297,7 @@ int write_phantom(const Arguments& arguments) {
   const Scene scene = load_scene(arguments.scene.file, arguments.scene.settings);
   return run_in_folder(
       arguments.output,
-      {{"phantom", 10}, {"write", 1}},
+      {{"phantom", 10}, {"write", 1}, {"labels", arguments.labels ? 3.0 : 0.0}},
       [&](OutputFolder& out, Progress& progress) {
         std::set<std::string> keys = scene.given;
         std::erase_if(keys, [](const auto& key) { return !key.starts_with("phantom."); });
@@ -280,9 +306,15 @@ int write_phantom(const Arguments& arguments) {
         const auto phantom = progress.step("phantom", [&] { return cache.phantom(scene.phantom); });
         progress.step("write", [&] { phantoms::write_phantom(phantom, out.stage("phantom.vdb")); });
         const std::string summary = phantom_summary(phantom, out.directory() / "phantom.vdb");
-        return CommandResult{.report = phantom_report(phantom, placed_scene(scene, phantom)),
-                             .summary = summary,
-                             .document = phantom_document(phantom, summary)};
+        CommandResult done{.report = phantom_report(phantom, placed_scene(scene, phantom)),
+                           .summary = summary,
+                           .document = phantom_document(phantom, summary)};
+        if (arguments.labels) {
+          progress.step("labels",
+                        [&] { phantoms::write_labels(phantom, out.stage("labels.vdb")); });
+          done.document.data.push_back({"labels.csv", label_names_table(phantom)});
+        }
+        return done;
       });
 }
 
@@ -294,6 +326,11 @@ Command add_phantom_command(CLI::App& app) {
   add_scene_options(command, arguments->scene);
   add_cache_options(command, arguments->cache);
   add_output_options(command, arguments->output);
+  add_flag(command,
+           "--labels",
+           arguments->labels,
+           "Write labels.vdb, the part of the phantom at each voxel, and labels.csv, their names "
+           "(docs/labels.md)");
   return {&command, [arguments] { return write_phantom(*arguments); }};
 }
 

@@ -236,7 +236,20 @@ void add_truth(py::module_& module) {
                          self);
           },
           "uint8 [row, column]: why the surface is seen or not: 0 nothing is crossed, 1 seen, 2 "
-          "outside the field, 3 grazing, 4 shadowed. A view.");
+          "outside the field, 3 grazing, 4 shadowed. A view.")
+      .def_property_readonly(
+          "part",
+          image(&bench::Truth::part),
+          "uint8 [row, column]: label of the part that the ray crosses first (docs/labels.md); 0: "
+          "none. A view.")
+      .def_property_readonly(
+          "part_names",
+          [](const TruthData& data) {
+            py::dict names;
+            for (const auto& [label, name] : data.truth().parts) names[py::int_(label)] = name;
+            return names;
+          },
+          "Names of the labels in `part`; empty for a phantom that names no parts.");
   module.def(
       "truth",
       [](const ScenePointer& scene, std::uint32_t volume) {

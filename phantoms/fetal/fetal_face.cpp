@@ -17,15 +17,19 @@
 #include "phantoms/fetal/fetal_child.h"
 #include "phantoms/fetal/fetal_head.h"
 #include "phantoms/fetal/fetal_surroundings.h"
+#include "phantoms/fetal/head_measures.h"
 #include "phantoms/grids.h"
+#include "phantoms/label_finder.h"
 #include "phantoms/refusal.h"
 #include "phantoms/shapes/level_set.h"
+#include "phantoms/truth.h"
 
 namespace wobblebench::phantoms {
 namespace {
 
 constexpr double kFaceOfProbe_m = 40 * kMillimetre;    // z in the default probe's frame
 constexpr double kThinnestUterus_m = 5 * kMillimetre;  // of its wall on the axis; assumed
+constexpr double kTrunkFillet_m = 5 * kMillimetre;     // between head and body at 21 weeks
 // At 21 weeks, to the sides: short of the hand. Assumed.
 constexpr double kJawReach_m = 16 * kMillimetre;
 
@@ -54,56 +58,6 @@ glm::dvec3 position_for(double scale, double maternal_layer_m) {
                usual_z = 105 * kMillimetre + 20 * kMillimetre * (scale - 1);
   const double room = maternal_layer_m > 0 ? maternal_layer_m + kThinnestUterus_m : 0;
   return {0, y, std::max(usual_z, kFaceOfProbe_m + room - cavity_front_m(scale, 0, -y))};
-}
-
-// Places balls of the head frame in the phantom frame.
-class Placer {
- public:
-  explicit Placer(const SolvedHead& solved)
-      : pose_(solved.head.landmarks), unit_m_(solved.shape.unit_m) {}
-
-  double mm(double value) const { return value * unit_m_; }
-  glm::dvec3 at(double x, double y, double z) const { return {mm(x), mm(y), mm(z)}; }
-  FeatureBall ball(const glm::dvec3& head_m, double radius_m) const {
-    return {pose_.head_to_phantom * head_m + pose_.head_position_m, radius_m};
-  }
-  void pair(glm::dvec3 head_m, double radius_m, std::vector<FeatureBall>& balls) const {
-    balls.push_back(ball(head_m, radius_m));
-    head_m.x = -head_m.x;
-    balls.push_back(ball(head_m, radius_m));
-  }
-
- private:
-  const FetalLandmarks& pose_;
-  double unit_m_;
-};
-
-// Nose, lips, eyelids, ears, cheeks and forehead, placed by the landmarks of the head; where two
-// overlap the first of them counts.
-std::vector<Feature> face_features(const SolvedHead& solved) {
-  const FetalHead& head = solved.head;
-  const HeadShape& shape = solved.shape;
-  const FetalLandmarks& face = head.landmarks;
-  const Placer place(solved);
-  const double mouth = face.mouth_m.y, base = face.subnasale_m.y;
-  Feature nose{
-      "nose",
-      {place.ball(face.nose_tip_m, place.mm(5.5)), place.ball(place.at(0, 2, 2.2), place.mm(4.5))}};
-  place.pair({place.mm(3.6), base - place.mm(2.1), 0}, place.mm(4), nose.balls);
-  const double lip = place.mm(0.5 * shape.open);
-  Feature lips{"lips", {place.ball(face.mouth_m, place.mm(5.5) + lip)}};
-  place.pair({place.mm(4.8), mouth, place.mm(1.2)}, place.mm(4.5) + lip, lips.balls);
-  Feature eyelids{"eyelids", {}};
-  place.pair(face.eye_center_m, head.eyes[1].radii_m.x + place.mm(3), eyelids.balls);
-  Feature ears{"ears", {}};
-  place.pair(place.at(shape.biparietal / 2 + 2.5, 2 + shape.ear_height, 33),
-             place.mm(10 * shape.ear),
-             ears.balls);
-  Feature cheeks{"cheeks", {}};
-  place.pair({place.mm(15), mouth - lip - place.mm(6), place.mm(11)}, place.mm(12), cheeks.balls);
-  Feature forehead{"forehead", {place.ball(place.at(0, -17, 4), place.mm(11))}};
-  place.pair(place.at(13, -16, 9), place.mm(10), forehead.balls);
-  return {nose, lips, eyelids, ears, cheeks, forehead};
 }
 
 // Signed distances of all parts, in the phantom frame. Must outlive the functions that it gives.
@@ -148,7 +102,7 @@ class FetalScene {
             body = body_.near(ball),
             hand = hand_.near(ball)](const glm::dvec3& p) {
       const double trunk =
-          smooth_union(head.distance(in_head(p)), body.distance(p), 5 * kMillimetre * scale_);
+          smooth_union(head.distance(in_head(p)), body.distance(p), kTrunkFillet_m * scale_);
       if (hand_is_before_) return trunk;
       return smooth_union(trunk, hand.distance(p), 1 * kMillimetre * scale_);
     };
@@ -196,7 +150,24 @@ class FetalScene {
   const glm::dvec3& suggested_position_m() const { return position_m_; }
   bool hand_is_before() const { return hand_is_before_; }
   bool has_placenta() const { return placenta_m_ > 0; }
-  std::vector<Feature> features() const { return face_features(child_.solved); }
+  /// Of the skin, and of a hand before the face.
+  std::vector<PartBody> skin_bodies() const {
+    std::vector<PartBody> bodies = {{head_.skin, to_head_, head_.landmarks.head_position_m},
+                                    {.shape = body_, .fillet_m = kTrunkFillet_m * scale_}};
+    if (!hand_is_before_) bodies.push_back({.shape = hand_, .fillet_m = kMillimetre * scale_});
+    return bodies;
+  }
+  std::vector<PartBody> hand_bodies() const { return {{.shape = hand_}}; }
+  /// In the phantom frame.
+  std::vector<Landmark> landmarks() const {
+    std::vector<Landmark> all;
+    const FetalLandmarks& pose = head_.landmarks;
+    for (const NamedPoint& point : named_points(head_, child_.solved.shape)) {
+      all.push_back(
+          {std::string(point.name), pose.head_to_phantom * point.head_m + pose.head_position_m});
+    }
+    return all;
+  }
   std::vector<PhantomMeasure> measures() const {
     std::vector<PhantomMeasure> all = measures_of(child_);
     all.insert(all.end(), gaps_.begin(), gaps_.end());
@@ -227,7 +198,7 @@ class FetalScene {
   }
   double trunk_distance(const glm::dvec3& p) const {
     return smooth_union(
-        head_.skin.distance(in_head(p)), body_.distance(p), 5 * kMillimetre * scale_);
+        head_.skin.distance(in_head(p)), body_.distance(p), kTrunkFillet_m * scale_);
   }
   /// The tubes at their gap before the face; `key` names it where there is no room.
   std::vector<Tube> placed(std::vector<Tube> tubes,
@@ -253,7 +224,7 @@ class FetalScene {
     return tubes;
   }
   CsgBody place_hand(const PhantomOptions& options) {
-    return united(
+    return united_hand(
         placed(hand_before(scale_, options.gestational_age_weeks), 0, options.hand_gap_m, "hand"),
         1 * kMillimetre * scale_);
   }
@@ -292,67 +263,166 @@ class FetalScene {
   MaternalLayer maternal_layer_;
 };
 
-struct Part {
+struct SceneSurface {
   const char* name;
   const char* inside;
   bool is_target;
   DistanceFunction (FetalScene::*distance)(const Ball&) const;
   Distances distances;
+  Part on, within;                                                // labels …
+  std::vector<PartBody> (FetalScene::*bodies)() const = nullptr;  // … or what says them
 };
 
 // The parts, in painter's order.
-constexpr Part kMaternalParts[] = {
-    {"maternal_muscle", "muscle", false, &FetalScene::muscle, Distances::exact},
-    {"maternal_fat", "fat", false, &FetalScene::fat, Distances::exact},
-    {"maternal_skin", "skin", false, &FetalScene::maternal_skin, Distances::exact}};
-constexpr Part kFetalParts[] = {
-    {"cavity", "amniotic_fluid", true, &FetalScene::cavity, Distances::exact},
-    {"placenta", "placenta", true, &FetalScene::placenta, Distances::first_order},
-    {"cord", "umbilical_cord", true, &FetalScene::cord, Distances::first_order},
-    {"hand", "fetal_skin", true, &FetalScene::hand, Distances::first_order},
-    {"skin", "fetal_skin", true, &FetalScene::skin, Distances::first_order},
-    {"skull", "fetal_skull", false, &FetalScene::skull, Distances::first_order},
-    {"brain", "brain", false, &FetalScene::brain, Distances::first_order},
-    {"eyes", "vitreous", false, &FetalScene::eyes, Distances::exact}};
+constexpr SceneSurface kMaternalSurfaces[] = {{"maternal_muscle",
+                                               "muscle",
+                                               false,
+                                               &FetalScene::muscle,
+                                               Distances::exact,
+                                               Part::maternal_muscle,
+                                               Part::maternal_muscle},
+                                              {"maternal_fat",
+                                               "fat",
+                                               false,
+                                               &FetalScene::fat,
+                                               Distances::exact,
+                                               Part::maternal_fat,
+                                               Part::maternal_fat},
+                                              {"maternal_skin",
+                                               "skin",
+                                               false,
+                                               &FetalScene::maternal_skin,
+                                               Distances::exact,
+                                               Part::maternal_skin,
+                                               Part::maternal_skin}};
+constexpr SceneSurface kFetalSurfaces[] = {
+    {"cavity",
+     "amniotic_fluid",
+     true,
+     &FetalScene::cavity,
+     Distances::exact,
+     Part::uterine_wall,
+     Part::amniotic_fluid},
+    {"placenta",
+     "placenta",
+     true,
+     &FetalScene::placenta,
+     Distances::first_order,
+     Part::placenta,
+     Part::placenta},
+    {"cord",
+     "umbilical_cord",
+     true,
+     &FetalScene::cord,
+     Distances::first_order,
+     Part::cord,
+     Part::cord},
+    {"hand",
+     "fetal_skin",
+     true,
+     &FetalScene::hand,
+     Distances::first_order,
+     Part::hand,
+     Part::hand,
+     &FetalScene::hand_bodies},
+    {"skin",
+     "fetal_skin",
+     true,
+     &FetalScene::skin,
+     Distances::first_order,
+     Part::body,
+     Part::body,
+     &FetalScene::skin_bodies},
+    {"skull",
+     "fetal_skull",
+     false,
+     &FetalScene::skull,
+     Distances::first_order,
+     Part::skull,
+     Part::skull},
+    {"brain", "brain", false, &FetalScene::brain, Distances::first_order, Part::brain, Part::brain},
+    {"eyes", "vitreous", false, &FetalScene::eyes, Distances::exact, Part::eye, Part::eye}};
+
+PhantomParts parts_of(const FetalScene& scene, const std::vector<SceneSurface>& parts) {
+  PhantomParts all{.background = Part::uterine_wall, .surfaces = {}};
+  for (const SceneSurface& part : parts) {
+    all.surfaces.push_back({part.on, part.within});
+    if (part.bodies != nullptr) all.surfaces.back().bodies = (scene.*part.bodies)();
+  }
+  return all;
+}
+
+// The landmarks on the finished skin, which the grid rounds by little. Left out: what body or cleft
+// have taken the place of.
+std::vector<Landmark> on_finished_skin(const std::vector<Landmark>& wanted,
+                                       const Phantom& phantom) {
+  const double voxel_m = grid_memory(phantom, 0).voxel_m;
+  const double farthest_m = std::max(0.5 * kMillimetre, voxel_m);
+  constexpr int kSteps = 4;
+  const auto& surfaces = phantom.surfaces();
+  const auto skin =
+      static_cast<int>(std::ranges::find(surfaces, "skin", &Surface::name) - surfaces.begin());
+  const SurfaceFinder finder(phantom);
+  const LabelFinder labels(phantom);
+  int target = 0;
+  while (finder.surface(target) != skin) ++target;
+  std::vector<Landmark> landmarks;
+  for (const Landmark& landmark : wanted) {
+    glm::dvec3 at = landmark.position_m;
+    for (int step = 0; step < kSteps; ++step) {
+      const auto found = finder.target_distance(target, at);
+      if (!found) break;
+      const double steep = glm::length(found->gradient);
+      at -= found->value_m / (steep * steep) * found->gradient;
+    }
+    const bool is_covered = labels.distance_m(skin, at) > 0.1 * voxel_m ||
+                            glm::distance(at, landmark.position_m) > farthest_m;
+    const auto part = static_cast<Part>(labels.on_surface(skin, at));
+    if (!is_covered && part != Part::cleft) landmarks.push_back({landmark.name, at});
+  }
+  return landmarks;
+}
 
 }  // namespace
 
 Phantom make_fetal_face(const PhantomOptions& options) {
   const FetalScene scene(options);
-  std::vector<Part> parts;
+  std::vector<SceneSurface> parts;
   if (options.maternal_layer_m > 0) {
-    parts.assign(std::begin(kMaternalParts), std::end(kMaternalParts));
+    parts.assign(std::begin(kMaternalSurfaces), std::end(kMaternalSurfaces));
   }
   const std::size_t maternal = parts.size();
-  for (const Part& part : kFetalParts) {
+  for (const SceneSurface& part : kFetalSurfaces) {
     const std::string_view name = part.name;
     if (name == "hand" && !scene.hand_is_before()) continue;
     if (name == "placenta" && !scene.has_placenta()) continue;
     parts.push_back(part);
   }
   std::vector<Surface> surfaces;
-  for (const Part& part : parts) {
+  for (const SceneSurface& part : parts) {
     surfaces.push_back({part.name, material_index(part.inside), part.is_target});
   }
   auto grids = std::make_shared<Grids>();
   grids->signed_distance.resize(parts.size());
   parallel_rows(static_cast<int>(parts.size()), [&](int row) {
     const auto i = static_cast<std::size_t>(row);
-    const Part& part = parts[i];
+    const SceneSurface& part = parts[i];
     const LocalDistance distance = [&](const Ball& ball) { return (scene.*part.distance)(ball); };
     const Box bounds = i < maternal ? scene.maternal_bounds() : scene.cavity_bounds();
     grids->signed_distance[i] =
         build_level_set(part.name, distance, bounds, options.voxel_m, part.distances);
   });
-  return Phantom("fetal_face",
-                 material_table(),
-                 material_index("uterus_wall"),
-                 surfaces,
-                 scene.region_of_interest(),
-                 scene.suggested_position_m(),
-                 grids,
-                 scene.joint())
-      .with_features(scene.features())
+  const Phantom unlabelled("fetal_face",
+                           material_table(),
+                           material_index("uterus_wall"),
+                           surfaces,
+                           scene.region_of_interest(),
+                           scene.suggested_position_m(),
+                           grids,
+                           scene.joint());
+  const PhantomParts labels = parts_of(scene, parts);
+  const Phantom phantom = unlabelled.with_parts(labels, {});
+  return phantom.with_parts(labels, on_finished_skin(scene.landmarks(), phantom))
       .with_measures(scene.measures());
 }
 

@@ -110,6 +110,7 @@ void HeadBuilder::add_cranium() {
   head_.landmarks.skull_center_m = cranium_.center;
   Ellipsoid scalp = cranium_;
   scalp.radii_m += mm(3.0);
+  head_.skin.begin(Part::forehead);
   head_.skin.unite(scalp, 0);
   head_.landmarks.crown_m = scalp.center - glm::dvec3(0, scalp.radii_m.y, 0);
 }
@@ -118,15 +119,19 @@ void HeadBuilder::add_face() {
   CsgBody& skin = head_.skin;
   const double mouth = shape_.mouth(), side = shape_.zygoma;
   const double chin = shape_.menton - open_;
+  skin.begin(Part::face_base);
   skin.unite(ellipsoid({0, 0.33 * chin, 22}, {side + 1.9, 0.7 * chin, 20}), mm(8));
+  skin.begin(Part::cheekbone);
   unite_pair(skin, ellipsoid({side - 0.1, -2, 19}, {3.5, 5, 7}), 6, PairedPart::zygoma);
   unite_pair(skin, ellipsoid({side - 2.6, 5.5, 17.5}, {4.4, 5, 7.5}), 6, PairedPart::zygoma);
+  skin.begin(Part::cheek);
   unite_pair(skin,
              ellipsoid({shape_.cheek, mouth - 6 - 0.4 * shape_.smile, 11.6 - traits_.cheek_full},
                        {9.8, 9.4, 9.4}),
              7,
              PairedPart::cheek);
   // Muzzle: the rounded base that carries the lips.
+  skin.begin(Part::around_mouth);
   skin.unite(ellipsoid({0, mouth - 1.5 + 0.5 * open_, 8}, {9.5, 8.5 + 0.5 * open_, 8}), mm(6));
 }
 
@@ -135,6 +140,7 @@ void HeadBuilder::add_jaw() {
   const double chin = shape_.menton, back = shape_.chin, angle = shape_.gonion;
   // An open jaw is lowered about its hinge: less, farther back.
   const double behind = chin - 0.5 * open_, middle = chin - 0.2 * open_;
+  skin.begin(Part::jaw);
   unite_pair(
       skin,
       Tube{{ball(0.31 * shape_.biparietal, 7, 30, 8), ball(12, behind - 12.5, angle - 3, 6.8)}},
@@ -145,6 +151,7 @@ void HeadBuilder::add_jaw() {
              6,
              PairedPart::jaw);
   const double tip = 4.6 - 0.5 * traits_.chin_point;
+  skin.begin(Part::chin);
   skin.unite(ellipsoid({0, chin - tip, 2.6 + back}, {6.8 * traits_.chin_width, tip, 3.6}), mm(5));
 }
 
@@ -156,8 +163,10 @@ void HeadBuilder::add_eyes() {
   const Tube brow{{ball(4, -5.5, 4.5 - traits_.brow, 3),
                    ball(11, -7.5, 5 - traits_.brow, 3),
                    ball(shape_.zygoma + 0.4, -5, 13, 3)}};
+  skin.begin(Part::brow);
   unite_pair(skin, brow, 6, PairedPart::brow);
   const glm::dvec3 socket = center - glm::dvec3(0, 0, radius + 4.6);
+  skin.begin(Part::eyelids);
   subtract_pair(skin, ellipsoid(socket, {8.5, 6.0, 5.0}), 4, PairedPart::eye);
   unite_pair(skin, ellipsoid(center, glm::dvec3(radius + 1.2)), 1.8, PairedPart::eye);
   const Ellipsoid globe = ellipsoid(center, glm::dvec3(radius));
@@ -182,7 +191,14 @@ void HeadBuilder::subtract_lid_slit(const Ellipsoid& globe) {
     const glm::dvec3 direction{std::sin(a) * std::cos(d), std::sin(d), -std::cos(a) * std::cos(d)};
     slit.push_back({globe.center + lid * direction, mm(i == 0 || i == 4 ? 0.35 : half)});
   }
-  subtract_pair(head_.skin, smooth_tube(slit, 4), 0.7, PairedPart::eye);
+  const Tube groove = smooth_tube(slit, 4);
+  subtract_pair(head_.skin, groove, 0.7, PairedPart::eye);
+  const auto [right, left] = sides(groove, PairedPart::eye);
+  for (const auto& [side, shape] : {std::pair{1, right}, std::pair{0, left}}) {
+    const auto& points = std::get<Tube>(shape).points();
+    head_.inner_corner_m[side] = points.front().center;
+    head_.outer_corner_m[side] = points.back().center;
+  }
 }
 
 void HeadBuilder::add_nose() {
@@ -196,6 +212,7 @@ void HeadBuilder::add_nose() {
   const glm::dvec3 middle = ridge(0.48) + glm::dvec3(0, 0, 0.45 - traits_.nose_bridge);
   const std::vector<TubePoint> back = {
       ball(ridge(0), 3.2), ball(middle, 2.8), ball(ridge(1) + aside, 2.8)};
+  skin.begin(Part::nose);
   skin.unite(smooth_tube(back, 4), mm(3.5));
   skin.unite(ellipsoid(glm::dvec3(0, tip - 2.9, -3.2 - out) + aside, {2.9 * wide, 2.7, 2.7}),
              mm(2.0));
@@ -213,6 +230,7 @@ void HeadBuilder::add_lips() {
   CsgBody& skin = head_.skin;
   const double upper = shape_.upper_lip, mouth = shape_.mouth(), base = shape_.subnasale,
                wide = traits_.mouth_width, full = traits_.lip_fullness;
+  skin.begin(Part::philtrum);
   skin.subtract(Tube{{ball(0, base + 0.8, -0.4, 1.2), ball(0, upper - 0.7, -2.1, 1.5)}}, mm(1.4));
   // Cupid's bow: the upper lip dips in the middle and falls towards the corners.
   const double up = shape_.smile, aside = 0.5 * shape_.smile;
@@ -220,6 +238,7 @@ void HeadBuilder::add_lips() {
                                       ball(5.2 * wide, mouth - 1.1 - 0.4 * up, 1.2, 1.6 * full),
                                       ball(2.1, upper - 0.4, -0.4, 1.9 * full),
                                       ball(0, upper + 0.3, -0.5, 1.7 * full)};
+  skin.begin(Part::upper_lip);
   unite_pair(skin, smooth_tube(bow, 8), 1.1, PairedPart::mouth);
   add_lower_lip();
   const double pout = 1.5 * (full - 1);  // fuller lips meet farther in front
@@ -227,8 +246,12 @@ void HeadBuilder::add_lips() {
                                        ball(5.2 * wide, mouth + 0.2 - 0.4 * up, 0.1 - pout, 0.6),
                                        ball(2.2, mouth - 0.2, -1.2 - pout, 0.6),
                                        ball(0, mouth + 0.3, -1.4 - pout, 0.6)};
+  skin.begin(Part::mouth);
   if (open_ == 0) subtract_pair(skin, smooth_tube(line, 8), 0.8, PairedPart::mouth);
   if (open_ > 0) subtract_mouth();
+  const auto [right, left] = sides(Tube{{line.front(), line.back()}}, PairedPart::mouth);
+  head_.mouth_corner_m[1] = std::get<Tube>(right).points().front().center;
+  head_.mouth_corner_m[0] = std::get<Tube>(left).points().front().center;
 }
 
 void HeadBuilder::add_lower_lip() {
@@ -238,9 +261,11 @@ void HeadBuilder::add_lower_lip() {
       ball(7.2 * wide + 0.5 * up, mouth + 1.1 + 0.35 * open_ - up, 3.4, 1.0),
       ball(4.6 * wide, lower - 0.3 - 0.15 * open_ - 0.4 * up, 0.8 + 0.5 * back, 2.0 * full),
       ball(0, lower + 0.1, -0.3 + back, 2.4 * full)};
+  head_.skin.begin(Part::lower_lip);
   unite_pair(head_.skin, smooth_tube(roll, 8), 1.0, PairedPart::mouth);
   // Makes the fold under the lower lip shallow.
   const double span = std::max(shape_.menton - lower, 3.0);
+  head_.skin.begin(Part::chin);
   head_.skin.unite(ellipsoid({0, lower + 0.5 * span, 5.6 + 2 * back}, {6.5, 0.45 * span, 4.4}),
                    mm(2));
 }
@@ -257,6 +282,7 @@ void HeadBuilder::add_tongue() {
   const Tube half{{ball(1.6, floor, 7, thick),
                    ball(1.6, floor, -1, thick),
                    ball(1.2, floor + 0.25 * shape_.tongue, -2.5 - shape_.tongue + thick, thick)}};
+  head_.skin.begin(Part::tongue);
   unite_pair(head_.skin, half, 1.5, PairedPart::mouth);
 }
 
@@ -267,6 +293,7 @@ void HeadBuilder::add_bossing() {
   head_.skull.unite(bone, mm(5));
   Ellipsoid scalp = bone;
   scalp.radii_m += mm(3.0);
+  head_.skin.begin(Part::forehead);
   head_.skin.unite(scalp, mm(5));
 }
 
@@ -277,6 +304,7 @@ void HeadBuilder::subtract_cleft() {
   const glm::dvec3 edge = shape_.cleft();
   const double side = shape_.cleft_side;
   constexpr int kGrooves = 8;
+  head_.skin.begin(Part::cleft);
   for (int groove = 0; groove < kGrooves; ++groove) {
     const double depth = -1.5 + 0.6 * groove;
     head_.skin.subtract(
@@ -307,6 +335,7 @@ void HeadBuilder::add_ears() {
                                         offset(3.3, -7.5, 1, 1.4),
                                         offset(1.5, -6.5, -2, 1.3),
                                         offset(0.5, -3.0, -3, 1.3)};
+  skin.begin(Part::ear);
   unite_pair(skin, Tube{{offset(-0.5, 4, -1, 2.2), offset(1.3, -3, 1.5, 2.6)}}, 2, PairedPart::ear);
   unite_pair(skin, smooth_tube(helix, 3), 1.0, PairedPart::ear);
 }

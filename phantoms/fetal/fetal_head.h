@@ -75,7 +75,12 @@ struct FetalHead {
   glm::dvec3 nasal_along{0};   ///< … and unit vector to its lower end
   CsgBody brain;               ///< inner surface of the braincase
   Ellipsoid eyes[2];           ///< globes filling the orbits, at -x and +x
-  FetalLandmarks landmarks;    ///< of the bodies whose shape says where they are: skull, crown, eye
+  // Points before the skin at -x and +x, within the grooves: ends of the openings between the lids
+  // next to the nose and away from it, and of the line between the lips.
+  glm::dvec3 inner_corner_m[2]{};
+  glm::dvec3 outer_corner_m[2]{};
+  glm::dvec3 mouth_corner_m[2]{};
+  FetalLandmarks landmarks;  ///< of the bodies whose shape says where they are: skull, crown, eye
 };
 
 FetalHead build_head(const HeadShape& shape);

@@ -40,7 +40,9 @@ double waves(double phase, double x, double y) {
 
 CsgBody make_body(double s) {
   CsgBody body;
+  body.begin(Part::neck);
   body.unite(Tube{{ball(s, 0, 6, 44, 13), ball(s, 0, 34, 42, 14)}}, 0);
+  body.begin(Part::body);
   body.unite(ellipsoid(s, {0, 56, 38}, {25, 27, 21}), 8 * s * kMillimetre);
   const Tube shoulder{{ball(s, 12, 37, 44, 9), ball(s, 26, 40, 40, 8.5), ball(s, 34, 62, 34, 7)}};
   body.unite_pair(shoulder, 6 * s * kMillimetre);
@@ -49,9 +51,11 @@ CsgBody make_body(double s) {
 
 CsgBody make_hand(double s) {
   CsgBody hand;
+  hand.begin(Part::arm);
   hand.unite(Tube{{ball(s, 34, 62, 34, 7), ball(s, 37, 55, 12, 5.4), ball(s, 28.5, 32, 6, 4.2)}},
              0);
   // Back of the hand, then the fingers curled towards the palm, index to little finger.
+  hand.begin(Part::hand);
   hand.unite(ellipsoid(s, {25.5, 24, 4}, {6, 7, 4.2}), 3.5 * s * kMillimetre);
   const glm::dvec2 knuckle[] = {{19.8, 20.2}, {23.0, 17.8}, {26.5, 17.4}, {29.6, 19.2}};
   const double length[] = {0.95, 1.05, 1.0, 0.82};
@@ -101,10 +105,13 @@ std::vector<Tube> hand_before(double s, double weeks) {
   return tubes;
 }
 
-CsgBody united(const std::vector<Tube>& tubes, double fillet_m) {
-  CsgBody body;
-  for (const Tube& tube : tubes) body.unite(tube, body.empty() ? 0 : fillet_m);
-  return body;
+CsgBody united_hand(const std::vector<Tube>& tubes, double fillet_m) {
+  CsgBody hand;
+  for (const Tube& tube : tubes) {
+    hand.begin(&tube == &tubes.back() ? Part::arm : Part::hand);
+    hand.unite(tube, hand.empty() ? 0 : fillet_m);
+  }
+  return hand;
 }
 
 Tube cord_beside(double s) {

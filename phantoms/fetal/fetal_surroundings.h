@@ -16,10 +16,10 @@ CsgBody make_body(double scale);
 CsgBody make_hand(double scale);
 
 /// Tubes of a hand with stretched fingers before mouth and chin, at a depth that place_before()
-/// changes: forearm, back of the hand, thumb and fingers. The little finger is 0.9079 g - 7.804 mm
-/// long (Goldstein 1995, to 23 weeks); the others by assumed ratios.
+/// changes: fingers and back of the hand, thumb, and last the forearm. The little finger is 0.9079
+/// g - 7.804 mm long (Goldstein 1995, to 23 weeks); the others by assumed ratios.
 std::vector<Tube> hand_before(double scale, double weeks);
-CsgBody united(const std::vector<Tube>& tubes, double fillet_m);
+CsgBody united_hand(const std::vector<Tube>& tubes, double fillet_m);
 
 /// Centre line of a cord beside the face, and of one across it.
 Tube cord_beside(double scale);

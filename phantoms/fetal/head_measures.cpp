@@ -116,6 +116,15 @@ class HeadCalipers {
     return result_;
   }
 
+  std::vector<NamedPoint> name_points() {
+    result_.landmarks = head_.landmarks;
+    find_profile();
+    find_bones();
+    name_profile();
+    name_corners();
+    return points_;
+  }
+
  private:
   double m(double units) const { return units * unit_m_; }
   void set_mm(FaceMeasure measure, double metres) {
@@ -135,6 +144,8 @@ class HeadCalipers {
   void measure_mandible();
   void measure_ears();
   void measure_cleft();
+  void name_profile();
+  void name_corners();
   double bone_length() const;
   // Of the right (+1) or left (-1) side: the point of `body` farthest out between two heights.
   glm::dvec3 widest(const CsgBody& body, double side, double from_y, double to_y, double z) const;
@@ -142,12 +153,14 @@ class HeadCalipers {
     glm::dvec3 top, bottom;
   };
   Ear ear(double side) const;
+  void point(std::string_view name, const glm::dvec3& head_m) { points_.push_back({name, head_m}); }
 
   const FetalHead& head_;
   const HeadShape& shape_;
   double unit_m_;
   Profile skin_, skull_;
   MeasuredHead result_;
+  std::vector<NamedPoint> points_;
   glm::dvec3 mentum_{0};  // of the skin
   double fold_ = 0;       // height between lower lip and chin
   glm::dvec3 nasion_{0}, maxilla_{0}, mandible_{0}, gnathion_{0};  // of the bone
@@ -364,6 +377,40 @@ void HeadCalipers::measure_cleft() {
   other("cleft_width_mm", width / kMillimetre);
 }
 
+void HeadCalipers::name_profile() {
+  const FetalLandmarks& found = result_.landmarks;
+  point("vertex", first_point(head_.skin, {{0, -m(90), found.crown_m.z}, {0, 1, 0}}));
+  point("nasion", skin_.at(nasion_.y));
+  point("pronasale", found.nose_tip_m);
+  point("subnasale", found.subnasale_m);
+  if (shape_.open == 0) point("stomion", found.mouth_m);
+  point("labiale_superius", found.upper_lip_m);
+  point("labiale_inferius", found.lower_lip_m);
+  point("pogonion",
+        skin_.foremost(fold_ + 0.25 * (found.menton_m.y - fold_), found.menton_m.y - m(0.2)));
+  point("gnathion", mentum_);
+  point("menton", found.menton_m);
+}
+
+// Corners of lids and mouth: the floors of their grooves. Ends of the ears. Left and right are the
+// child's: its left is at +x.
+void HeadCalipers::name_corners() {
+  for (const int side : {0, 1}) {
+    const Ear found_ear = ear(side == 0 ? -1 : 1);
+    point(side == 0 ? "superaurale_right" : "superaurale_left", found_ear.top);
+    point(side == 0 ? "subaurale_right" : "subaurale_left", found_ear.bottom);
+    const auto floor = [&](const glm::dvec3& before) {
+      return first_point(head_.skin, {before, glm::normalize(head_.eyes[side].center - before)});
+    };
+    point(side == 0 ? "endocanthion_right" : "endocanthion_left",
+          floor(head_.inner_corner_m[side]));
+    point(side == 0 ? "exocanthion_right" : "exocanthion_left", floor(head_.outer_corner_m[side]));
+    const glm::dvec3 corner = head_.mouth_corner_m[side];
+    point(side == 0 ? "cheilion_right" : "cheilion_left",
+          first_point(head_.skin, {{corner.x, corner.y, -m(16)}, {0, 0, 1}}));
+  }
+}
+
 }  // namespace
 
 double reach_of_skull(const FetalHead& head, const glm::dvec3& center_m) {
@@ -386,6 +433,10 @@ double reach_of_skull(const FetalHead& head, const glm::dvec3& center_m) {
 
 MeasuredHead measure_head(const FetalHead& head, const HeadShape& shape) {
   return HeadCalipers(head, shape).measure();
+}
+
+std::vector<NamedPoint> named_points(const FetalHead& head, const HeadShape& shape) {
+  return HeadCalipers(head, shape).name_points();
 }
 
 }  // namespace wobblebench::phantoms

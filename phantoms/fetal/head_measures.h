@@ -26,6 +26,15 @@ struct MeasuredHead {
 /// head was built from; says about where to look.
 MeasuredHead measure_head(const FetalHead& head, const HeadShape& shape);
 
+/// A point of the skin, named as in anthropometry (docs/labels.md says how each is found).
+struct NamedPoint {
+  std::string_view name;
+  glm::dvec3 head_m{0};
+};
+
+/// All that the head has: an open mouth has no stomion.
+std::vector<NamedPoint> named_points(const FetalHead& head, const HeadShape& shape);
+
 /// Radius of the smallest ball about `center_m` that contains the bone, by rays from outside.
 double reach_of_skull(const FetalHead& head, const glm::dvec3& center_m);
 

@@ -3,6 +3,7 @@
 #include <openvdb/openvdb.h>
 #include <tbb/parallel_for.h>
 
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <cmath>
@@ -10,12 +11,14 @@
 #include <memory>
 #include <span>
 #include <utility>
+#include <variant>
 #include <vector>
 
 #include "base/byte_stream.h"
 #include "base/text.h"
 #include "phantoms/float_grid.h"
 #include "phantoms/grids.h"
+#include "phantoms/label_finder.h"
 
 namespace wobblebench::phantoms {
 namespace {
@@ -258,15 +261,61 @@ void write(ByteWriter& to, const PointScatterers& points) {
   }
 }
 
-void write(ByteWriter& to, const std::vector<Feature>& features) {
-  to.value(static_cast<std::uint32_t>(features.size()));
-  for (const Feature& feature : features) {
-    to.text(feature.name);
-    to.value(static_cast<std::uint32_t>(feature.balls.size()));
-    for (const FeatureBall& ball : feature.balls) {
-      write(to, ball.center_m);
-      to.value(ball.radius_m);
-    }
+void write(ByteWriter& to, const glm::dmat3& matrix) {
+  for (int axis = 0; axis < 3; ++axis) write(to, matrix[axis]);
+}
+
+void write(ByteWriter& to, const Shape& shape) {
+  const auto* ellipsoid = std::get_if<Ellipsoid>(&shape);
+  to.value(std::uint32_t{ellipsoid != nullptr ? 1U : 0U});
+  if (ellipsoid != nullptr) {
+    write(to, ellipsoid->center);
+    write(to, ellipsoid->radii_m);
+    write(to, ellipsoid->to_axes);
+    return;
+  }
+  const auto& points = std::get<Tube>(shape).points();
+  to.value(static_cast<std::uint32_t>(points.size()));
+  for (const TubePoint& point : points) {
+    write(to, point.center);
+    to.value(point.radius_m);
+  }
+}
+
+void write(ByteWriter& to, Part part) {
+  to.value(static_cast<std::uint32_t>(part));
+}
+
+void write(ByteWriter& to, const PartBody& body) {
+  to.value(static_cast<std::uint32_t>(body.shape.operations().size()));
+  for (const CsgBody::Operation& operation : body.shape.operations()) {
+    write(to, operation.part);
+    to.value(std::uint32_t{operation.is_difference ? 1U : 0U});
+    to.value(operation.fillet_m);
+    write(to, operation.shape);
+  }
+  write(to, body.to_body);
+  write(to, body.position_m);
+  to.value(body.fillet_m);
+}
+
+void write(ByteWriter& to, const PhantomParts* parts) {
+  to.value(std::uint32_t{parts != nullptr ? 1U : 0U});
+  if (parts == nullptr) return;
+  write(to, parts->background);
+  for (const SurfaceParts& surface : parts->surfaces) {
+    write(to, surface.on);
+    write(to, surface.inside);
+    to.value(static_cast<std::uint32_t>(surface.bodies.size()));
+    for (const PartBody& body : surface.bodies) write(to, body);
+  }
+}
+
+void write(ByteWriter& to, const std::vector<Landmark>& landmarks) {
+  to.value(static_cast<std::uint32_t>(landmarks.size()));
+  for (const Landmark& landmark : landmarks) {
+    to.text(landmark.name);
+    write(to, landmark.position_m);
   }
 }
 
@@ -362,17 +411,80 @@ PointScatterers read_scatterers(ByteReader& from) {
   return points;
 }
 
-std::vector<Feature> read_features(ByteReader& from) {
-  std::vector<Feature> features(below(from, kMostEntries));
-  for (Feature& feature : features) {
-    feature.name = text(from);
-    feature.balls.resize(below(from, kMostEntries));
-    for (FeatureBall& ball : feature.balls) {
-      ball.center_m = vector(from);
-      ball.radius_m = number(from);
+glm::dmat3 matrix(ByteReader& from) {
+  glm::dmat3 matrix;
+  for (int axis = 0; axis < 3; ++axis) matrix[axis] = vector(from);
+  return matrix;
+}
+
+double positive(ByteReader& from) {
+  const double value = number(from);
+  expect_bytes(value > 0, "a size is not positive");
+  return value;
+}
+
+Shape read_shape(ByteReader& from) {
+  if (below(from, 2) == 1) {
+    Ellipsoid ellipsoid;
+    ellipsoid.center = vector(from);
+    for (int axis = 0; axis < 3; ++axis) ellipsoid.radii_m[axis] = positive(from);
+    ellipsoid.to_axes = matrix(from);
+    return ellipsoid;
+  }
+  std::vector<TubePoint> points(below(from, kMostEntries));
+  expect_bytes(points.size() > 1, "a tube has no length");
+  for (TubePoint& point : points) {
+    point.center = vector(from);
+    point.radius_m = positive(from);
+  }
+  return Tube(std::move(points));
+}
+
+Part read_part(ByteReader& from) {
+  const auto part = static_cast<Part>(below(from, 256));
+  const bool is_known = std::ranges::any_of(
+      part_names(), [part](const PartName& known) { return known.part == part; });
+  expect_bytes(is_known || part == Part::none, "a part is not known");
+  return part;
+}
+
+PartBody read_body(ByteReader& from) {
+  PartBody body;
+  for (std::uint32_t left = below(from, kMostEntries); left > 0; --left) {
+    body.shape.begin(read_part(from));
+    const bool is_difference = below(from, 2) == 1;
+    const double fillet_m = number(from);
+    const Shape shape = read_shape(from);
+    is_difference ? body.shape.subtract(shape, fillet_m) : body.shape.unite(shape, fillet_m);
+  }
+  body.to_body = matrix(from);
+  body.position_m = vector(from);
+  body.fillet_m = number(from);
+  return body;
+}
+
+std::optional<PhantomParts> read_parts(ByteReader& from, std::size_t surfaces) {
+  if (below(from, 2) == 0) return std::nullopt;
+  PhantomParts parts;
+  parts.background = read_part(from);
+  parts.surfaces.resize(surfaces);
+  for (SurfaceParts& surface : parts.surfaces) {
+    surface.on = read_part(from);
+    surface.inside = read_part(from);
+    for (std::uint32_t left = below(from, kMostEntries); left > 0; --left) {
+      surface.bodies.push_back(read_body(from));
     }
   }
-  return features;
+  return parts;
+}
+
+std::vector<Landmark> read_landmarks(ByteReader& from) {
+  std::vector<Landmark> landmarks(below(from, kMostEntries));
+  for (Landmark& landmark : landmarks) {
+    landmark.name = text(from);
+    landmark.position_m = vector(from);
+  }
+  return landmarks;
 }
 
 std::vector<PhantomMeasure> read_measures(ByteReader& from) {
@@ -415,7 +527,8 @@ std::optional<std::string> to_bytes(const Phantom& phantom) {
     if (!write_grid(*phantom.grids().signed_distance[i], to)) return std::nullopt;
   }
   write(to, phantom.scatterers());
-  write(to, phantom.features());
+  write(to, phantom.parts());
+  write(to, phantom.landmarks());
   write(to, phantom.measures());
   return to.take();
 }
@@ -440,20 +553,22 @@ Phantom phantom_from_bytes(std::string_view bytes) {
     grids->signed_distance.push_back(read_grid(from));
   }
   PointScatterers points = read_scatterers(from);
-  std::vector<Feature> features = read_features(from);
+  std::optional<PhantomParts> parts = read_parts(from, surfaces.size());
+  std::vector<Landmark> landmarks = read_landmarks(from);
   std::vector<PhantomMeasure> measures = read_measures(from);
   from.expect_end();
-  return Phantom(std::move(name),
-                 std::move(materials),
-                 background,
-                 std::move(surfaces),
-                 region,
-                 position_m,
-                 std::move(grids),
-                 joint,
-                 std::move(points))
-      .with_features(std::move(features))
-      .with_measures(std::move(measures));
+  const Phantom phantom = Phantom(std::move(name),
+                                  std::move(materials),
+                                  background,
+                                  std::move(surfaces),
+                                  region,
+                                  position_m,
+                                  std::move(grids),
+                                  joint,
+                                  std::move(points))
+                              .with_measures(std::move(measures));
+  if (!parts) return phantom;
+  return phantom.with_parts(*std::move(parts), std::move(landmarks));
 }
 
 }  // namespace wobblebench::phantoms

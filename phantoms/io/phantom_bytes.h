@@ -10,7 +10,7 @@
 namespace wobblebench::phantoms {
 
 /// Raised by whoever changes the form of the bytes, or what a phantom is.
-inline constexpr int kPhantomBytesVersion = 5;
+inline constexpr int kPhantomBytesVersion = 6;
 
 /// nullopt where a grid is not such as this program's shapes: its inactive values plus or minus the
 /// background, its voxels cubic and moved at most, without metadata but its name.

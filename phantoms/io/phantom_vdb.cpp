@@ -20,6 +20,7 @@
 #include "phantoms/io/scatterer_file.h"
 #include "phantoms/io/vdb_file.h"
 #include "phantoms/io/vdb_lattice.h"
+#include "phantoms/label_finder.h"
 
 namespace wobblebench::phantoms {
 namespace {
@@ -51,28 +52,62 @@ std::string key_of(const char* list, int index, const char* field) {
   return std::string(list) + "." + std::to_string(index) + "." + field;
 }
 
-// Row of the material table at every voxel, in painter's order. Of floats: OpenVDB's Python module
-// reads no file that holds a grid of int32.
+// A number at every voxel, in painter's order. Of floats: OpenVDB's Python module reads no file
+// that holds a grid of int32.
+FloatGrid::Ptr painted_grid(const Phantom& phantom, const char* name, double background) {
+  FloatGrid::Ptr painted = create_level_set(1, background);
+  painted->setGridClass(openvdb::GRID_UNKNOWN);
+  painted->setName(name);
+  if (!phantom.surfaces().empty()) {
+    painted->setTransform(phantom.grids().signed_distance[0]->transform().copy());
+  }
+  return painted;
+}
+
+// Paints what a surface encloses: paint(box) for each box of voxels, or one voxel, within it.
+template <class Paint>
+void for_inside(const FloatGrid& distance, const Paint& paint) {
+  for (auto value = distance.cbeginValueAll(); value; ++value) {
+    if (*value < 0) paint(value.getBoundingBox());
+  }
+}
+
+// Row of the material table at every voxel.
 FloatGrid::Ptr material_grid(const Phantom& phantom) {
-  FloatGrid::Ptr materials = create_level_set(1, double(phantom.background()));
-  materials->setGridClass(openvdb::GRID_UNKNOWN);
-  materials->setName("material");
+  FloatGrid::Ptr materials = painted_grid(phantom, "material", double(phantom.background()));
   for (std::size_t i = 0; i < phantom.surfaces().size(); ++i) {
-    const FloatGrid& distance = *phantom.grids().signed_distance[i];
-    if (i == 0) materials->setTransform(distance.transform().copy());
     const auto inside = static_cast<float>(phantom.surfaces()[i].inside);
     auto accessor = materials->getAccessor();
-    for (auto value = distance.cbeginValueAll(); value; ++value) {
-      if (*value >= 0) continue;
-      if (value.isVoxelValue()) {
-        accessor.setValueOn(value.getCoord(), inside);
+    for_inside(*phantom.grids().signed_distance[i], [&](const openvdb::CoordBBox& box) {
+      if (box.volume() == 1) {
+        accessor.setValueOn(box.min(), inside);
       } else {
-        materials->tree().sparseFill(value.getBoundingBox(), inside, true);
+        materials->tree().sparseFill(box, inside, true);
       }
-    }
+    });
   }
   openvdb::tools::prune(materials->tree());
   return materials;
+}
+
+// Label of the part at every voxel.
+FloatGrid::Ptr label_grid(const Phantom& phantom) {
+  const PhantomParts* parts = phantom.parts();
+  const int background =
+      parts != nullptr ? static_cast<int>(parts->background) : kUnnamedBackground;
+  FloatGrid::Ptr labels = painted_grid(phantom, "part", background);
+  const LabelFinder finder(phantom);
+  for (std::size_t i = 0; i < phantom.surfaces().size(); ++i) {
+    auto accessor = labels->getAccessor();
+    for_inside(*phantom.grids().signed_distance[i], [&](const openvdb::CoordBBox& box) {
+      for (auto voxel = box.begin(); voxel; ++voxel) {
+        const glm::dvec3 at_m = to_glm(labels->indexToWorld(*voxel));
+        accessor.setValueOn(*voxel, finder.inside(static_cast<int>(i), at_m));
+      }
+    });
+  }
+  openvdb::tools::prune(labels->tree());
+  return labels;
 }
 
 openvdb::MetaMap metadata_of(const Phantom& phantom) {
@@ -146,15 +181,9 @@ std::string identifier_of(std::string_view content) {
   return hash;
 }
 
-std::string file_of(const Phantom& phantom) {
-  openvdb::GridPtrVec grids;
-  for (const auto& grid : phantom.grids().signed_distance) {
-    // A shallow copy: the tree is shared and not changed.
-    grids.push_back(openvdb::ConstPtrCast<FloatGrid>(grid));
-  }
-  grids.push_back(material_grid(phantom));
+std::string file_of(const openvdb::GridPtrVec& grids, const openvdb::MetaMap& metadata) {
   std::ostringstream out(std::ios::binary);
-  openvdb::io::Stream(out).write(grids, metadata_of(phantom));
+  openvdb::io::Stream(out).write(grids, metadata);
   std::string bytes = std::move(out).str();
   bytes.replace(kIdentifierAt, kIdentifierSize, kIdentifierSize, '0');
   return bytes.replace(kIdentifierAt, kIdentifierSize, identifier_of(bytes));
@@ -289,9 +318,10 @@ Phantom phantom_from(const openvdb::MetaMap& file_meta, const std::vector<VdbGri
 
 }  // namespace
 
-void write_phantom(const Phantom& phantom, const std::filesystem::path& path) {
-  initialize_openvdb();
-  const std::string bytes = file_of(phantom);
+namespace {
+
+// A file that was begun is removed if writing fails.
+void write_whole(const std::filesystem::path& path, const std::string& bytes) {
   try {
     write_file(path, bytes);
   } catch (...) {
@@ -299,6 +329,28 @@ void write_phantom(const Phantom& phantom, const std::filesystem::path& path) {
     if (std::filesystem::is_regular_file(path, ignored)) std::filesystem::remove(path, ignored);
     throw;
   }
+}
+
+}  // namespace
+
+void write_phantom(const Phantom& phantom, const std::filesystem::path& path) {
+  initialize_openvdb();
+  openvdb::GridPtrVec grids;
+  for (const auto& grid : phantom.grids().signed_distance) {
+    // A shallow copy: the tree is shared and not changed.
+    grids.push_back(openvdb::ConstPtrCast<FloatGrid>(grid));
+  }
+  grids.push_back(material_grid(phantom));
+  write_whole(path, file_of(grids, metadata_of(phantom)));
+}
+
+void write_labels(const Phantom& phantom, const std::filesystem::path& path) {
+  initialize_openvdb();
+  openvdb::MetaMap names;
+  for (const LabelName& name : label_names(phantom)) {
+    names.insertMeta("label." + std::to_string(name.label), openvdb::StringMetadata(name.name));
+  }
+  write_whole(path, file_of({label_grid(phantom)}, names));
 }
 
 Phantom read_phantom(const std::filesystem::path& path) {

@@ -182,12 +182,16 @@ void CsgBody::subtract_pair(const Shape& shape, double fillet_m) {
   subtract(mirrored(shape), fillet_m);
 }
 
-CsgBody::Operation CsgBody::operation(const Shape& shape, double fillet_m, bool is_difference) {
-  return {
-      shape, fillet_m, is_difference, std::visit([](const auto& s) { return s.bound(); }, shape)};
+CsgBody::Operation CsgBody::operation(const Shape& shape,
+                                      double fillet_m,
+                                      bool is_difference) const {
+  const Ball bound = std::visit([](const auto& s) { return s.bound(); }, shape);
+  return {shape, fillet_m, is_difference, bound, part_};
 }
 
-double CsgBody::distance(const glm::dvec3& position) const {
+// wins(operation): its shape is nearer than all before it.
+template <class Wins>
+double CsgBody::folded(const glm::dvec3& position, const Wins& wins) const {
   double body = std::numeric_limits<double>::infinity();
   for (const Operation& operation : operations_) {
     const double lower_bound =
@@ -195,13 +199,27 @@ double CsgBody::distance(const glm::dvec3& position) const {
     // A fillet has an effect only where the two distances differ by less than its size.
     if (operation.is_difference) {
       if (lower_bound > operation.fillet_m - body) continue;
-      body = smooth_difference(body, shape_distance(operation.shape, position), operation.fillet_m);
+      const double tool = shape_distance(operation.shape, position);
+      if (-tool > body) wins(operation);
+      body = smooth_difference(body, tool, operation.fillet_m);
     } else {
       if (lower_bound > body + operation.fillet_m) continue;
-      body = smooth_union(body, shape_distance(operation.shape, position), operation.fillet_m);
+      const double shape = shape_distance(operation.shape, position);
+      if (shape < body) wins(operation);
+      body = smooth_union(body, shape, operation.fillet_m);
     }
   }
   return body;
+}
+
+double CsgBody::distance(const glm::dvec3& position) const {
+  return folded(position, [](const Operation&) {});
+}
+
+PartDistance CsgBody::part_distance(const glm::dvec3& position) const {
+  PartDistance found;
+  found.distance = folded(position, [&](const Operation& nearest) { found.part = nearest.part; });
+  return found;
 }
 
 CsgBody CsgBody::near(const Ball& ball) const {

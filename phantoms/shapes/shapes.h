@@ -7,6 +7,8 @@
 #include <variant>
 #include <vector>
 
+#include "phantoms/parts.h"
+
 namespace wobblebench::phantoms {
 
 /// A bounding sphere.
@@ -90,9 +92,25 @@ double smooth_difference(double body, double tool, double fillet_m);
 
 using Shape = std::variant<Ellipsoid, Tube>;
 
+/// A signed distance, and the part of the shape that makes it.
+struct PartDistance {
+  double distance = 0;
+  Part part = Part::none;
+};
+
 /// Shapes united and subtracted in the order of the calls, each with a fillet of its own.
 class CsgBody {
  public:
+  struct Operation {
+    Shape shape;
+    double fillet_m;
+    bool is_difference;
+    Ball bound;
+    Part part = Part::none;
+  };
+
+  /// The part that shapes make from here on.
+  void begin(Part part) { part_ = part; }
   void unite(const Shape& shape, double fillet_m) {
     operations_.push_back(operation(shape, fillet_m, false));
   }
@@ -100,6 +118,7 @@ class CsgBody {
     operations_.push_back(operation(shape, fillet_m, true));
   }
   bool empty() const { return operations_.empty(); }
+  const std::vector<Operation>& operations() const { return operations_; }
   /// The shape and its mirror image in the plane x = 0.
   void unite_pair(const Shape& shape, double fillet_m);
   void subtract_pair(const Shape& shape, double fillet_m);
@@ -108,20 +127,21 @@ class CsgBody {
   /// Operations whose bounds are too far from `position` to change the result are skipped.
   double distance(const glm::dvec3& position) const;
 
+  /// The same distance with the part of the operation that makes it: of two that are united the one
+  /// with the lesser distance; the tool's where what it cuts away would be nearer.
+  PartDistance part_distance(const glm::dvec3& position) const;
+
   /// A body with the same distance() to the bit at every position in the ball: without the
   /// operations that change nothing there.
   CsgBody near(const Ball& ball) const;
 
  private:
-  struct Operation {
-    Shape shape;
-    double fillet_m;
-    bool is_difference;
-    Ball bound;
-  };
-  static Operation operation(const Shape& shape, double fillet_m, bool is_difference);
+  Operation operation(const Shape& shape, double fillet_m, bool is_difference) const;
+  template <class Wins>
+  double folded(const glm::dvec3& position, const Wins& wins) const;
 
   std::vector<Operation> operations_;
+  Part part_ = Part::none;
 };
 
 /// The mirror image of the shape in the plane x = 0.

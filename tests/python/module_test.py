@@ -53,8 +53,8 @@ class AgainstProgram(unittest.TestCase):
         cls.folder = tempfile.TemporaryDirectory()
         cls.out = pathlib.Path(cls.folder.name) / "run"
         cls.recording = pathlib.Path(cls.folder.name) / "record/recording.wbst"
-        for command, out in (("run", cls.out), ("record", cls.recording.parent)):
-            done = run_program(command, *as_arguments(SETTINGS), "--out", str(out))
+        for command, out in (("run --labels", cls.out), ("record", cls.recording.parent)):
+            done = run_program(*command.split(), *as_arguments(SETTINGS), "--out", str(out))
             assert done.returncode == 0, done.stderr
         cls.report = json.loads((cls.out / "report.json").read_text())
         cls.scene = wobblebench.Scene(settings=SETTINGS)
@@ -79,6 +79,9 @@ class AgainstProgram(unittest.TestCase):
         self.assert_same_mm(truth.depth_m, file["Z"])
         self.assert_same_mm(truth.crossing_m, file["Z_crossing"])
         numpy.testing.assert_array_equal(truth.reason, file["truth_reason"])
+        labels = exr_channels(self.out / "labels.exr")
+        numpy.testing.assert_array_equal(truth.part, labels["part"])
+        numpy.testing.assert_array_equal(truth.part > 0, truth.reason > 0)
 
     def test_every_measure_is_that_of_run(self):
         self.assertEqual(wobblebench.score(self.picture, self.scene), self.report["error"])

@@ -6,6 +6,7 @@
 
 #include "bench/evaluation/measures/picture_measures.h"
 #include "bench/evaluation/registration/registration.h"
+#include "bench/evaluation/truth/labels.h"
 #include "bench/evaluation/truth/truth.h"
 #include "bench/scene/resolved_scene.h"
 #include "render/picture.h"
@@ -18,6 +19,7 @@ struct Comparison {
   Image<glm::vec3> shaded_truth = {};                     ///< light, as shade_truth() makes it
   std::optional<Registration> registration = {};          ///< none: not asked for
   std::optional<PictureMeasures> before_correction = {};  ///< none: z is not corrected
+  std::optional<Labels> labels = {};                      ///< none: not asked for
 };
 
 /// A picture against the truth, whoever made it.

@@ -3,6 +3,7 @@
 #include <future>
 #include <memory>
 #include <optional>
+#include <string>
 #include <utility>
 
 #include "base/user_error.h"
@@ -42,6 +43,7 @@ struct Arguments {
   std::vector<std::string> limits;
   std::vector<std::string> renderers;
   std::string tolerance;  ///< empty: none
+  bool labels = false;
   bool register_surface = false;
   bool fail_on_loss = false;
   bool count_work = false;
@@ -70,6 +72,7 @@ std::vector<PlannedStep> planned_steps(const Arguments& arguments) {
           {"truth", 3},
           {"compare", 5},
           {"count", arguments.count_work ? 5.0 : 0.0},
+          {"labels", arguments.labels ? 3.0 : 0.0},
           {"register", arguments.register_surface ? 20.0 : 0.0},
           {"write", 2}};
 }
@@ -144,11 +147,15 @@ std::vector<render::PassTime> counted_passes(const hw::PolarVolume& volume,
   return render::render_volume(context, volume, scene.render()).passes;
 }
 
-/// No true surface, no fit.
-void refuse_registration(const Arguments& arguments, const ResolvedScene& scene) {
-  if (!arguments.register_surface || scene.subject()) return;
-  throw UserError("--register: needs samples of a known phantom; those of --board " +
-                  arguments.board + " are of an unknown subject: leave it out");
+/// No true surface, no fit and no labels.
+void refuse_unknown(const Arguments& arguments, const ResolvedScene& scene) {
+  if (scene.subject()) return;
+  for (const auto& [name, given] :
+       {std::pair{"--register", arguments.register_surface}, {"--labels", arguments.labels}}) {
+    if (!given) continue;
+    throw UserError(std::string(name) + ": needs samples of a known phantom; those of --board " +
+                    arguments.board + " are of an unknown subject: leave it out");
+  }
 }
 
 void warn_of_picture(const RunResult& result, const ResolvedScene& scene, Progress& progress) {
@@ -185,12 +192,14 @@ std::optional<Comparison> compare(const RunResult& result,
                                   const std::optional<render::Picture>& uncorrected,
                                   const ResolvedScene& scene,
                                   const sim::TissueMapSource& maps,
-                                  bool register_it,
+                                  const Arguments& arguments,
                                   Progress& progress) {
   if (!scene.subject()) return std::nullopt;
   const std::uint32_t volume = result.acquisition.volume.volume_index();
+  std::optional<StickReach> reach;
   TrueView truth = progress.step("truth", [&] {
-    Truth surface = true_surface(scene, maps, volume);
+    reach.emplace(scene, maps, volume);
+    Truth surface = true_surface(scene, scene.view(), *reach, volume);
     if (result.motor.matters(scene.plan())) {
       mark_outside(surface, result.motor, scene.plan().geometry(), scene.view().camera);
     }
@@ -210,7 +219,11 @@ std::optional<Comparison> compare(const RunResult& result,
                         .error = std::move(error),
                         .shaded_truth = std::move(shaded),
                         .before_correction = std::move(before)};
-  if (register_it) {
+  if (arguments.labels) {
+    comparison.labels = progress.step(
+        "labels", [&] { return label_truth(scene, comparison.truth, *reach, volume); });
+  }
+  if (arguments.register_surface) {
     comparison.registration = progress.step("register", [&] {
       return register_surface(result.picture.depth_m,
                               *scene.subject(),
@@ -285,7 +298,7 @@ int run(const Arguments& arguments) {
     const auto choice = choose_settings(request, given, *context, cache, progress);
     const Scene chosen = with_choice(given, arguments, choice);
     const ResolvedScene scene = board.resolve(chosen, cache, progress);
-    refuse_registration(arguments, scene);
+    refuse_unknown(arguments, scene);
     if (correction) check_correction(*correction, scene.options());
     const Painter painter(*context, scene);
     std::future<void> compiled;
@@ -301,7 +314,7 @@ int run(const Arguments& arguments) {
     warn_of_samples(result, board, scene, progress);
     if (correction) warn_of_unknown_scale(result.acquisition, progress);
     const auto found = correct_picture(result, correction, scene, painter.renderer.get(), progress);
-    result.comparison = compare(result, found, scene, maps, arguments.register_surface, progress);
+    result.comparison = compare(result, found, scene, maps, arguments, progress);
     warn_of_picture(result, scene, progress);
     if (arguments.count_work) {
       result.counted = progress.step(
@@ -338,6 +351,11 @@ Command add_run_command(CLI::App& app) {
   add_board_option(command, arguments->board);
   add_gl_option(command, arguments->gl);
   add_renderer_option(command, arguments->renderers);
+  add_flag(command,
+           "--labels",
+           arguments->labels,
+           "Write the true part of the face of each pixel, what hides it from the probe, and the "
+           "landmarks (docs/labels.md): labels.exr, labels.png, landmarks.csv");
   add_flag(
       command,
       "--register",

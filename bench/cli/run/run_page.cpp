@@ -9,6 +9,7 @@
 #include "bench/cli/board_report.h"
 #include "bench/cli/run/run_pictures.h"
 #include "bench/output/error_report.h"
+#include "bench/output/picture/label_picture.h"
 #include "bench/output/picture/map_codes.h"
 #include "bench/output/report.h"
 #include "bench/studies/tables/paper.h"
@@ -265,7 +266,7 @@ Figure region_figure(const PictureMeasures& error) {
                 .panels = {}};
   for (const auto& [group, title] : {std::pair{"incidence", "By incidence, degrees"},
                                      std::pair{"range", "By range, mm"},
-                                     std::pair{"feature", "By feature"}}) {
+                                     std::pair{"part", "By part"}}) {
     BarChart chart{.title = title, .label = "P95 of the magnitude (mm)"};
     BarPart part{.name = "P95"};
     for (const RegionError& region : error.regions) {
@@ -293,6 +294,23 @@ void add_errors(const PictureResult& result, const ResolvedScene& scene, Documen
   Figure regions = region_figure(error);
   if (!regions.panels.empty()) page.add(std::move(regions));
   page.add(region_table(error));
+}
+
+// ---- labels
+
+void add_labels(const PictureResult& result, Document& page) {
+  if (!result.comparison || !result.comparison->labels) return;
+  const Truth& truth = result.comparison->truth;
+  const Labels& labels = *result.comparison->labels;
+  page.add(Heading{"Labels"});
+  page.add(
+      Picture{"labels.png",
+              "The part of the phantom that each pixel shows, with its landmarks, and what the "
+              "probe sees of it: `part`, `before` and `visible` of labels.exr."});
+  page.add(label_table(truth, labels));
+  if (labels.landmarks.empty()) return;
+  page.add(landmark_table(labels));
+  page.data.push_back({"landmarks.csv", landmark_table(labels)});
 }
 
 // ---- times and board
@@ -369,6 +387,7 @@ Document run_document(const RunResult& result,
   add_surfaces(result, scene, page);
   add_map(result, scene, page);
   add_errors(result, scene, page);
+  add_labels(result, page);
   add_volume(scene, page);
   add_planes(result, page);
   add_times(result, scene, page);

@@ -12,6 +12,7 @@
 #include "bench/output/error_report.h"
 #include "bench/output/image_io.h"
 #include "bench/output/picture/error_picture.h"
+#include "bench/output/picture/label_picture.h"
 #include "bench/output/picture/scan_plane.h"
 
 namespace wobblebench::bench {
@@ -141,6 +142,24 @@ void add_maps(const PictureResult& result, const render::Camera& camera, std::ve
                   }});
 }
 
+/// Labels as numbers, and as a picture.
+void add_labels(const PictureResult& result, const render::Camera& camera, std::vector<Job>& jobs) {
+  if (!result.comparison || !result.comparison->labels) return;
+  const Truth& truth = result.comparison->truth;
+  const Labels& labels = *result.comparison->labels;
+  jobs.push_back(
+      {"labels.exr", [&] {
+         const LabelMaps maps = label_maps(truth, labels);
+         return exr_mm(
+             {{"part", &maps.part, 1}, {"before", &maps.before, 1}, {"visible", &maps.visible, 1}},
+             camera);
+       }});
+  jobs.push_back({"labels.png", [&] {
+                    return png(draw_panels(label_panels(truth, labels, camera),
+                                           panel_side(camera.image_size)));
+                  }});
+}
+
 void add_pictures(const PictureResult& result, const ResolvedScene& scene, std::vector<Job>& jobs) {
   const render::Camera& camera = scene.view().camera;
   const int side = panel_side(camera.image_size);
@@ -231,6 +250,7 @@ void stage_run_images(OutputFolder& out, const RunResult& result, const Resolved
   add_volume_pictures(result, scene, jobs);
   add_pictures(result, scene, jobs);
   add_maps(result, scene.view().camera, jobs);
+  add_labels(result, scene.view().camera, jobs);
   stage(out, jobs);
 }
 

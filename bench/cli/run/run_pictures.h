@@ -26,7 +26,7 @@ bool has_true_picture(const PictureResult& result);
 
 /// Stages surface.png, volume.png, error.png, planes.png and sheet.png, where the truth is known
 /// truth_reason.png, where a true surface is in view truth.png, and the depth maps, found and true,
-/// in mm and with the camera.
+/// in mm and with the camera; labels.png and labels.exr where there are labels.
 void stage_run_images(OutputFolder& out, const RunResult& result, const ResolvedScene& scene);
 
 /// The same of a picture whose volume is not there: without volume.png and planes.png.

@@ -7,6 +7,7 @@
 #include "bench/cli/board_report.h"
 #include "bench/output/camera_matrices.h"
 #include "bench/output/error_report.h"
+#include "bench/output/picture/label_picture.h"
 #include "bench/output/report.h"
 #include "bench/output/report_parts.h"
 #include "bench/pipeline/motor_warning.h"
@@ -176,10 +177,14 @@ std::string run_report(const RunResult& result,
   const std::string truth = truth_source(result);
   report["truth"] = truth.empty() ? Json(nullptr) : Json(truth);
   report["measures"] = scene.subject() ? measures_json(scene.subject()->phantom) : Json(nullptr);
+  report["labels"] = nullptr;
   report["error"] = nullptr;
   report["fit"] = {{"registration", nullptr}, {"why_not", why_not_registered(result)}};
   if (const auto& comparison = result.comparison) {
     report["error"] = error_json(comparison->error, sought_in(scene));
+    if (comparison->labels) {
+      report["labels"] = labels_json(comparison->truth, *comparison->labels);
+    }
     if (const auto& before = comparison->before_correction) {
       report["error"]["before_correction"] = error_json(*before, sought_in(scene));
     }

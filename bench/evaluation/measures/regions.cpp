@@ -1,6 +1,7 @@
 #include "bench/evaluation/measures/regions.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <opencv2/core.hpp>
@@ -71,6 +72,20 @@ float largest(const Image<float>& values) {
   float most = 0;
   for (const float value : values.pixels) most = value > most ? value : most;
   return most;
+}
+
+RegionGroup by_part(const Truth& truth) {
+  RegionGroup group{"part", {}, {truth.kind.width, truth.kind.height, kNone}};
+  std::array<std::uint8_t, 256> index{};
+  index.fill(kNone);
+  for (const phantoms::LabelName& part : truth.parts) {
+    index[part.label] = static_cast<std::uint8_t>(group.regions.size());
+    group.regions.push_back(part.name);
+  }
+  std::ranges::transform(truth.part.pixels, group.index.pixels.begin(), [&](std::uint8_t label) {
+    return index[label];
+  });
+  return group;
 }
 
 RegionGroup unseen(const Truth& truth) {
@@ -204,10 +219,7 @@ std::vector<RegionGroup> region_groups(const Truth& truth, const render::Camera&
                           kRangeBin_mm * kMillimetre,
                           kRangeBin_mm,
                           1e-9 + static_cast<double>(largest(truth.range_m))));
-  if (!truth.features.empty()) {
-    groups.push_back({"feature", truth.features, truth.feature});
-    groups.back().regions.emplace_back("rest");
-  }
+  if (!truth.parts.empty()) groups.push_back(by_part(truth));
   groups.push_back(unseen(truth));
   return groups;
 }

@@ -16,8 +16,6 @@ namespace wobblebench::bench {
 
 namespace {
 
-/// Materials above this level are tissue, those below are fluid.
-constexpr double kTissueBackscatterDb = -100;
 /// Behind a crossing of the wrong sign the search continues from this distance on.
 constexpr double kPastCrossing_m = 1e-5;
 /// Half step of the central differences of to_rest().
@@ -201,7 +199,7 @@ std::optional<phantoms::SurfaceFinder::Distance> ScannedSurfaces::distance(
 glm::dvec3 ScannedSurfaces::outward(int surface, const glm::dvec3& normal) const {
   const auto inside = subject_.phantom.surfaces().at(static_cast<std::size_t>(surface)).inside;
   const auto& material = subject_.phantom.materials().at(static_cast<std::size_t>(inside));
-  return material.backscatter_db > kTissueBackscatterDb ? normal : -normal;
+  return material.backscatter_db > kTissueBackscatter_db ? normal : -normal;
 }
 
 std::optional<SurfaceCrossing> ScannedSurfaces::first(const hw::Ray& ray) const {
@@ -219,7 +217,8 @@ std::optional<SurfaceCrossing> ScannedSurfaces::first_of_still(const hw::Ray& ra
     const glm::dvec3 out = outward(hit->surface, hit->normal);
     const bool enters_tissue = glm::dot(out, direction) < 0;
     if (enters_tissue == (edge_ == render::EdgeSign::rising)) {
-      return SurfaceCrossing{hit->distance_m, subject_.placement.direction_to_probe(out)};
+      return SurfaceCrossing{
+          hit->distance_m, subject_.placement.direction_to_probe(out), hit->surface};
     }
     span.from_m = hit->distance_m + kPastCrossing_m;
   }
@@ -321,7 +320,8 @@ std::optional<SurfaceCrossing> ScannedSurfaces::crossing(const hw::Ray& ray,
   if (there) {
     normal = glm::normalize(gradient_at_stick(ray.at(behind.at_m), behind.stick, there->gradient));
   }
-  return SurfaceCrossing{behind.at_m, outward(finder_.surface(target), normal)};
+  const int surface = finder_.surface(target);
+  return SurfaceCrossing{behind.at_m, outward(surface, normal), surface};
 }
 
 }  // namespace wobblebench::bench

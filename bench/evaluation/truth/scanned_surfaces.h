@@ -27,7 +27,11 @@ struct MotionBounds {
 struct SurfaceCrossing {
   double distance_m = 0;  ///< along the ray from its origin
   glm::dvec3 outward{0};  ///< unit, out of the tissue
+  int surface = 0;        ///< index into Phantom::surfaces()
 };
+
+/// Materials whose echo is above this level are tissue, those below are fluid.
+inline constexpr double kTissueBackscatter_db = -100;
 
 /// The target surfaces in the probe frame, in one volume of the plan, within the view's box.
 /// Threads must not share one: each takes a copy.
@@ -48,6 +52,9 @@ class ScannedSurfaces {
   /// The stick that images a position: nearest frame and line.
   hw::StickIndex stick_at(const glm::dvec3& position_m) const;
 
+  /// The position at rest of what a stick images there.
+  glm::dvec3 to_rest(const glm::dvec3& position_m, const hw::StickIndex& stick) const;
+
   /// Signed distance to a surface (negative inside) at the time of a stick, and its gradient; none
   /// beyond reach.
   std::optional<phantoms::SurfaceFinder::Distance> distance(const glm::dvec3& position_m,
@@ -62,7 +69,6 @@ class ScannedSurfaces {
     std::vector<double> distance_m;  ///< to each target, as distance_bound() gives it
   };
 
-  glm::dvec3 to_rest(const glm::dvec3& position_m, const hw::StickIndex& stick) const;
   glm::dvec3 gradient_at_stick(const glm::dvec3& position_m,
                                const hw::StickIndex& stick,
                                const glm::dvec3& gradient) const;

@@ -4,12 +4,12 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
-#include <chrono>
+#include <array>
 #include <cmath>
 #include <glm/geometric.hpp>
 
-#include "base/duration.h"
 #include "bench/evaluation/truth/scanned_surfaces.h"
+#include "phantoms/label_finder.h"
 
 namespace wobblebench::bench {
 
@@ -18,16 +18,16 @@ namespace {
 /// Fills in pixels, for one thread.
 class TruthTracer {
  public:
-  TruthTracer(const phantoms::PlacedPhantom& subject,
-              const hw::AcquisitionPlan& plan,
+  TruthTracer(const hw::AcquisitionPlan& plan,
               const render::View& view,
-              const ScannedSurfaces& surfaces)
-      : subject_(subject),
-        plan_(plan),
+              const ScannedSurfaces& surfaces,
+              const phantoms::LabelFinder& labels)
+      : plan_(plan),
         geometry_(plan.geometry()),
         view_(view),
-        // A copy: its OpenVDB accessors must not be shared between threads.
-        surfaces_(surfaces) {}
+        // Copies: their OpenVDB accessors must not be shared between threads.
+        surfaces_(surfaces),
+        labels_(labels) {}
 
   void trace(int column, int row, Truth& truth) const {
     const hw::Ray ray = view_.camera.ray(column, row);
@@ -42,66 +42,68 @@ class TruthTracer {
     const double incidence =
         std::acos(std::clamp(towards * glm::dot(along, hit->outward), -1.0, 1.0));
     const auto depth_m = static_cast<float>(hit->distance_m);
-    const TruthKind kind = !in_field(at)              ? TruthKind::outside_field
+    const hw::PolarPoint polar = geometry_.to_polar(at);
+    const TruthKind kind = !in_field(plan_, polar)    ? TruthKind::outside_field
                            : incidence > kGrazing_rad ? TruthKind::grazing
                                                       : TruthKind::surface;
     truth.kind.at(column, row) = kind;
     if (kind == TruthKind::surface) truth.depth_m.at(column, row) = depth_m;
     truth.normal.at(column, row) = hit->outward;
     truth.crossing_m.at(column, row) = depth_m;
-    truth.range_m.at(column, row) = static_cast<float>(geometry_.to_polar(at).range_m);
+    truth.range_m.at(column, row) = static_cast<float>(polar.range_m);
     truth.incidence_rad.at(column, row) = static_cast<float>(incidence);
-    truth.feature.at(column, row) = feature_at(at, stick);
+    truth.part.at(column, row) = labels_.on_surface(hit->surface, surfaces_.to_rest(at, stick));
   }
 
  private:
-  bool in_field(const glm::dvec3& position) const {
-    const hw::PolarPoint p = geometry_.to_polar(position);
-    const auto& a = plan_.acquisition();
-    return p.range_m >= 0 && p.range_m <= a.depth_m && std::abs(p.theta_rad) <= a.sector_rad / 2 &&
-           std::abs(p.phi_rad) <= a.fan_rad / 2;
-  }
-
-  std::uint8_t feature_at(const glm::dvec3& position, const hw::StickIndex& stick) const {
-    const auto& features = subject_.phantom.features();
-    if (features.empty()) return 0;
-    const double time_s = to_seconds(plan_.stick_time(plan_.sequence(stick)).time_since_epoch());
-    const glm::dvec3 rest_m = subject_.to_rest(position, time_s);
-    const auto found = std::find_if(
-        features.begin(), features.end(), [&](const auto& f) { return f.contains(rest_m); });
-    return static_cast<std::uint8_t>(found - features.begin());
-  }
-
-  const phantoms::PlacedPhantom& subject_;
   const hw::AcquisitionPlan& plan_;
   hw::ProbeGeometry geometry_;
   const render::View& view_;
   ScannedSurfaces surfaces_;
+  phantoms::LabelFinder labels_;
 };
 
-Truth nothing_in_view(int size, const phantoms::Phantom& phantom) {
+Truth nothing_in_view(int size) {
   Truth truth{{size, size, kNoSurface}, {size, size}, {size, size, TruthKind::none}};
   truth.crossing_m = truth.range_m = truth.incidence_rad = {size, size, kNoSurface};
-  truth.feature = {size, size, static_cast<std::uint8_t>(phantom.features().size())};
-  for (const auto& feature : phantom.features()) truth.features.push_back(feature.name);
+  truth.part = {size, size, 0};
   return truth;
 }
 
 }  // namespace
+
+bool in_field(const hw::AcquisitionPlan& plan, const hw::PolarPoint& point) {
+  const auto& a = plan.acquisition();
+  return point.range_m >= 0 && point.range_m <= a.depth_m &&
+         std::abs(point.theta_rad) <= a.sector_rad / 2 && std::abs(point.phi_rad) <= a.fan_rad / 2;
+}
+
+std::vector<phantoms::LabelName> labels_in(const Image<std::uint8_t>& image,
+                                           const phantoms::Phantom& phantom) {
+  std::array<bool, 256> is_there{};
+  for (const std::uint8_t label : image.pixels) is_there[label] = true;
+  std::vector<phantoms::LabelName> names = phantoms::label_names(phantom);
+  std::erase_if(names, [&](const auto& name) { return !is_there[name.label]; });
+  return names;
+}
 
 Truth trace_truth(const phantoms::PlacedPhantom& subject,
                   const hw::AcquisitionPlan& plan,
                   const render::View& view,
                   std::uint32_t volume) {
   const int size = view.camera.image_size;
-  Truth truth = nothing_in_view(size, subject.phantom);
+  Truth truth = nothing_in_view(size);
   const ScannedSurfaces surfaces(subject, plan, view, 0, volume);
+  const phantoms::LabelFinder labels(subject.phantom);
   tbb::parallel_for(tbb::blocked_range<int>(0, size), [&](const tbb::blocked_range<int>& rows) {
-    const TruthTracer tracer(subject, plan, view, surfaces);
+    const TruthTracer tracer(plan, view, surfaces, labels);
     for (int row = rows.begin(); row < rows.end(); ++row) {
       for (int column = 0; column < size; ++column) tracer.trace(column, row, truth);
     }
   });
+  if (subject.phantom.parts() != nullptr) {
+    truth.parts = labels_in(truth.part, subject.phantom);
+  }
   return truth;
 }
 

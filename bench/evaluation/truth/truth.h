@@ -3,12 +3,12 @@
 
 #include <cstdint>
 #include <glm/vec3.hpp>
-#include <string>
 #include <vector>
 
 #include "base/image.h"
 #include "base/units.h"
 #include "hw/probe/acquisition_plan.h"
+#include "phantoms/parts.h"
 #include "phantoms/placed_phantom.h"
 #include "render/camera.h"
 #include "render/view.h"
@@ -48,8 +48,9 @@ struct Truth {
   Image<float> range_m = {};     ///< along the nearest stick
   /// Between the stick and the normal on the side that the edge leads to (EdgeSign), 0 to pi.
   Image<float> incidence_rad = {};
-  Image<std::uint8_t> feature = {};        ///< index into `features`; their number: the rest
-  std::vector<std::string> features = {};  ///< names of the phantom's parts
+  Image<std::uint8_t> part = {};  ///< label of the part that the ray crosses; 0: none
+  std::vector<phantoms::LabelName> parts =
+      {};  ///< of a phantom that names its parts: those in the picture
 
   /// Depth of what the ray crosses, seen or not; kNoSurface: nothing.
   float any_depth_m(int column, int row) const {
@@ -65,6 +66,13 @@ Truth trace_truth(const phantoms::PlacedPhantom& subject,
                   const hw::AcquisitionPlan& plan,
                   const render::View& view,
                   std::uint32_t volume = 0);
+
+/// Those labels of the phantom that occur, by number.
+std::vector<phantoms::LabelName> labels_in(const Image<std::uint8_t>& image,
+                                           const phantoms::Phantom& phantom);
+
+/// Whether sticks reach a point: within sector, fan and depth.
+bool in_field(const hw::AcquisitionPlan& plan, const hw::PolarPoint& point);
 
 /// Smallest cosine between ray and normal that counts, 88.9 degrees: at the very rim of a body the
 /// area of a pixel diverges, and one pixel would outweigh all others. Of a ball 1 % is so left out.

@@ -42,9 +42,14 @@ std::uint8_t TissueLabels::at_time(const glm::dvec3& position_m, double time_s) 
 }
 
 std::uint8_t TissueLabels::at(const glm::dvec3& position_m, std::uint32_t volume) const {
-  if (subject_.motion.still()) return at_time(position_m, 0);
+  return static_cast<std::uint8_t>(map_->material(to_rest(position_m, volume)));
+}
+
+glm::dvec3 TissueLabels::to_rest(const glm::dvec3& position_m, std::uint32_t volume) const {
+  if (subject_.motion.still()) return subject_.to_rest(position_m, 0);
   const auto stick = plan_.nearest_stick(geometry_.to_polar(position_m), volume);
-  return at_time(position_m, seconds(plan_.stick_time(plan_.sequence(stick)) - hw::DeviceTime()));
+  return subject_.to_rest(position_m,
+                          seconds(plan_.stick_time(plan_.sequence(stick)) - hw::DeviceTime()));
 }
 
 std::vector<std::pair<std::string, std::string>> ExportedScan::fields() const {

@@ -29,6 +29,7 @@ enum class Content {
   cartesian,   ///< samples on a grid of equal spacing
   planes,      ///< each frame as a picture with equal spacing
   labels,      ///< materials on a grid of equal spacing
+  parts,       ///< parts of the phantom on such a grid (docs/labels.md)
   found,       ///< the surface that the renderer found
   truth,       ///< the true surface
   slices,      ///< what pass 1 of the renderer makes of the last volume
@@ -53,6 +54,7 @@ void describe(O& o, Visitor& v) {
             {"cartesian", Content::cartesian},
             {"planes", Content::planes},
             {"labels", Content::labels},
+            {"parts", Content::parts},
             {"found", Content::found},
             {"truth", Content::truth},
             {"slices", Content::slices}});
@@ -75,6 +77,10 @@ class TissueLabels {
   /// Index of names() at a position in the probe frame, at the time of the stick that images it.
   std::uint8_t at(const glm::dvec3& position_m, std::uint32_t volume) const;
   std::uint8_t at_time(const glm::dvec3& position_m, double time_s) const;
+
+  const phantoms::PlacedPhantom& subject() const { return subject_; }
+  /// What is there at rest, at the time of the stick that images the position.
+  glm::dvec3 to_rest(const glm::dvec3& position_m, std::uint32_t volume) const;
 
  private:
   hw::AcquisitionPlan plan_;

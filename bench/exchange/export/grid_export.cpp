@@ -16,6 +16,7 @@
 #include "bench/exchange/files/nrrd.h"
 #include "bench/exchange/files/out_file.h"
 #include "bench/output/report_parts.h"
+#include "phantoms/label_finder.h"
 
 namespace wobblebench::bench {
 
@@ -89,7 +90,19 @@ class GridWriter : public ScanWriter {
     } else if (content_ == Content::planes) {
       write_planes(volume);
     } else if (content_ == Content::labels) {
-      write_labels(volume.volume_index());
+      write_labels([&] {
+        return [this, volume = volume.volume_index()](const glm::dvec3& point_m) {
+          return scan_.labels.value().at(point_m, volume);
+        };
+      });
+    } else if (content_ == Content::parts) {
+      const TissueLabels& known = scan_.labels.value();
+      const phantoms::LabelFinder finder(known.subject().phantom);
+      write_labels([&] {
+        return [finder, &known, volume = volume.volume_index()](const glm::dvec3& point_m) {
+          return finder.at(known.to_rest(point_m, volume));
+        };
+      });
     } else {
       write_grid(volume);
     }
@@ -101,9 +114,7 @@ class GridWriter : public ScanWriter {
   std::uint64_t frames() const {
     return static_cast<std::uint64_t>(scan_.plan().acquisition().frames_per_volume);
   }
-  Element element() const {
-    return content_ == Content::labels ? Element::uint8 : samples_.element();
-  }
+  Element element() const { return has_labels(content_) ? Element::uint8 : samples_.element(); }
 
   void begin(const hw::PolarVolume& volume) {
     if (format_ == ExportFormat::meta_image) {
@@ -119,6 +130,7 @@ class GridWriter : public ScanWriter {
                         content_ == Content::polar       ? "polar"
                         : content_ == Content::planes    ? "planes"
                         : content_ == Content::cartesian ? "cartesian"
+                        : content_ == Content::parts     ? "parts"
                                                          : "labels");
     if (content_ == Content::planes || content_ == Content::cartesian) {
       // So that they come back as the sticks that they were made of.
@@ -129,10 +141,16 @@ class GridWriter : public ScanWriter {
     if (content_ == Content::cartesian) {
       fields.emplace_back("wobblebench_frames", std::to_string(frames()));
     }
-    if (content_ != Content::labels) return fields;
-    const auto& names = scan_.labels.value().names();
-    for (std::size_t i = 0; i < names.size(); ++i) {
-      fields.emplace_back("wobblebench_label_" + std::to_string(i), names[i]);
+    const auto add_name = [&](int label, const std::string& name) {
+      fields.emplace_back("wobblebench_label_" + std::to_string(label), name);
+    };
+    if (content_ == Content::labels) {
+      const auto& names = scan_.labels.value().names();
+      for (std::size_t i = 0; i < names.size(); ++i) add_name(static_cast<int>(i), names[i]);
+    } else if (content_ == Content::parts) {
+      for (const auto& [label, name] : phantoms::label_names(scan_.labels->subject().phantom)) {
+        add_name(label, name);
+      }
     }
     return fields;
   }
@@ -180,7 +198,7 @@ class GridWriter : public ScanWriter {
   std::string meta_text(const hw::PolarVolume& volume) const {
     MetaHeader header{.element = element(), .fields = {}};
     const double step_mm = grid_.spacing_m / kMillimetre;
-    if (content_ == Content::cartesian || content_ == Content::labels) {
+    if (content_ == Content::cartesian || has_labels(content_)) {
       header.sizes = grid_.sizes();
       header.spacing = {step_mm, step_mm, step_mm};
       header.origin_mm = grid_.low_m / kMillimetre;
@@ -297,11 +315,18 @@ class GridWriter : public ScanWriter {
     }
   }
 
-  void write_labels(std::uint32_t volume) {
+  /// `make_label`: makes what gives the label of a point, for one thread.
+  template <class MakeLabel>
+  void write_labels(const MakeLabel& make_label) {
     std::vector<std::uint8_t> slice(slice_size());
+    const auto columns = static_cast<std::size_t>(grid_.size.x);
     for (int z = 0; z < grid_.size.z; ++z) {
-      each_of_slice(z, [&](std::size_t i, const glm::dvec3& point_m) {
-        slice[i] = scan_.labels.value().at(point_m, volume);
+      parallel_rows(grid_.size.y, [&](int y) {
+        const auto label = make_label();
+        for (int x = 0; x < grid_.size.x; ++x) {
+          slice[static_cast<std::size_t>(y) * columns + static_cast<std::size_t>(x)] =
+              label(grid_.point_m(x, y, z));
+        }
       });
       file_.write_values<std::uint8_t>(slice);
     }

@@ -19,10 +19,12 @@ struct Format {
 const std::vector<Format>& formats() {
   static const std::vector<Format> all = {
       {".seq.nrrd", ExportFormat::nrrd_sequence, {Content::cartesian, Content::polar}},
-      {".nrrd", ExportFormat::nrrd, {Content::cartesian, Content::polar, Content::labels}},
+      {".nrrd",
+       ExportFormat::nrrd,
+       {Content::cartesian, Content::polar, Content::labels, Content::parts}},
       {".mha",
        ExportFormat::meta_image,
-       {Content::planes, Content::polar, Content::cartesian, Content::labels}},
+       {Content::planes, Content::polar, Content::cartesian, Content::labels, Content::parts}},
       {".npz", ExportFormat::npz, {Content::everything, Content::polar, Content::slices}},
       {".dcm", ExportFormat::dicom, {Content::cartesian}},
       {".hdf5", ExportFormat::zea, {Content::polar}},
@@ -71,8 +73,12 @@ ExportFormat export_format(const std::string& name) {
   return format_of(name).format;
 }
 
+bool has_labels(Content content) {
+  return content == Content::labels || content == Content::parts;
+}
+
 bool has_spacing(Content content) {
-  return content == Content::cartesian || content == Content::planes || content == Content::labels;
+  return content == Content::cartesian || content == Content::planes || has_labels(content);
 }
 
 bool needs_picture(Content content) {
@@ -100,7 +106,8 @@ FileOptions chosen_options(const std::string& name,
   }
   const auto was_given = [&](const char* key) { return std::ranges::count(given, key) > 0; };
   if (was_given("spacing_mm") && !has_spacing(chosen.content)) {
-    refuse("spacing_mm: acts with content=cartesian, planes or labels; content is " + content);
+    refuse("spacing_mm: acts with content=cartesian, planes, labels or parts; content is " +
+           content);
   }
   const bool takes_type = has_samples(chosen.content) && format.format != ExportFormat::npz &&
                           format.format != ExportFormat::kretz &&
@@ -110,12 +117,12 @@ FileOptions chosen_options(const std::string& name,
     refuse("type: acts with samples in .nrrd and .mha; the type of this file is fixed");
   }
   if (chosen.type == SampleType::usual) chosen.type = SampleType::u8;
-  if ((chosen.content == Content::labels || chosen.content == Content::truth) && !is_known) {
+  if ((has_labels(chosen.content) || chosen.content == Content::truth) && !is_known) {
     refuse("content = " + content + ": needs samples of a known phantom");
   }
   const bool takes_one =
       format.format == ExportFormat::nrrd || format.format == ExportFormat::kretz ||
-      format.format == ExportFormat::dicom || chosen.content == Content::labels ||
+      format.format == ExportFormat::dicom || has_labels(chosen.content) ||
       (format.format == ExportFormat::meta_image && chosen.content == Content::cartesian);
   if (takes_one && volumes > 1) {
     refuse("holds one volume; --volumes is " + std::to_string(volumes) +

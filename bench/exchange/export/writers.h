@@ -23,6 +23,9 @@ FileOptions chosen_options(const std::string& name,
                            std::uint32_t volumes,
                            bool is_known);
 
+/// Whether the file holds labels, a byte each.
+bool has_labels(Content content);
+
 /// Whether the file's points have equal spacing.
 bool has_spacing(Content content);
 

@@ -428,6 +428,14 @@ class Truth:
     def reason(self) -> numpy.ndarray:
         """uint8 [row, column]: why the surface is seen or not: 0 nothing is crossed, 1 seen, 2 outside the field, 3 grazing, 4 shadowed. A view."""
 
+    @property
+    def part(self) -> numpy.ndarray:
+        """uint8 [row, column]: label of the part that the ray crosses first (docs/labels.md); 0: none. A view."""
+
+    @property
+    def part_names(self) -> dict[str, Any]:
+        """Names of the labels in `part`; empty for a phantom that names no parts."""
+
 
 def truth(scene: Scene, volume: int = 0) -> Truth:
     """What a picture of this volume should show. Raises BadInput where it is not known."""

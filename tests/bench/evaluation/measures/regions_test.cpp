@@ -69,12 +69,12 @@ Truth halves(int size) {
   truth.crossing_m = truth.depth_m;
   truth.incidence_rad = {size, size, static_cast<float>(10 * kDegree)};
   truth.range_m = {size, size, 0.055f};
-  truth.feature = {size, size, 1};
-  truth.features = {"nose"};
+  truth.part = {size, size, 12};
+  truth.parts = {{4, "nose"}, {12, "cheek"}};
   for (int row = 0; row < size; ++row) {
     for (int column = size / 2; column < size; ++column) {
       truth.incidence_rad.at(column, row) = static_cast<float>(50 * kDegree);
-      truth.feature.at(column, row) = 0;
+      truth.part.at(column, row) = 4;
     }
   }
   return truth;
@@ -88,7 +88,7 @@ const RegionError& find(const std::vector<RegionError>& errors,
   });
 }
 
-TEST(Regions, SeparateErrorsByIncidenceRangeAndFeature) {
+TEST(Regions, SeparateErrorsByIncidenceRangeAndPart) {
   const render::Camera camera = camera_of(20, render::Projection::parallel);
   const Truth truth = halves(20);
   Image<float> found = truth.depth_m;
@@ -105,8 +105,8 @@ TEST(Regions, SeparateErrorsByIncidenceRangeAndFeature) {
   EXPECT_EQ(steep.missed, 20);
   EXPECT_NEAR(steep.missed_surface_percent(), 10, 1e-9);
   EXPECT_EQ(find(errors, "range", "40-60").surface, 400);
-  EXPECT_NEAR(find(errors, "feature", "nose").depth.bias_m, 1e-3, 1e-8);
-  EXPECT_EQ(find(errors, "feature", "rest").depth.bias_m, 0);
+  EXPECT_NEAR(find(errors, "part", "nose").depth.bias_m, 1e-3, 1e-8);
+  EXPECT_EQ(find(errors, "part", "cheek").depth.bias_m, 0);
   EXPECT_EQ(find(errors, "silhouette", "outside").surface, 400);
 }
 

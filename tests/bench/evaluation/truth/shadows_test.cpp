@@ -143,19 +143,5 @@ TEST(Grazing, IsWhereAStickMeetsTheSurfaceAtMoreThan85Degrees) {
   EXPECT_GT(grazing, 100);
 }
 
-TEST(Features, OfTheFaceAreInItsPicture) {
-  const auto phantom = phantoms::make_phantom({.voxel_m = 1e-3});
-  const Seen seen = look(phantom, {"phantom.voxel_mm=1"});
-  ASSERT_EQ(seen.truth.features.size(), 6U);
-  std::vector<int> pixels(7, 0);
-  for (std::size_t i = 0; i < seen.truth.kind.pixels.size(); ++i) {
-    if (seen.truth.kind.pixels[i] == TruthKind::surface) ++pixels[seen.truth.feature.pixels[i]];
-  }
-  for (std::size_t feature = 0; feature < 6; ++feature) {
-    EXPECT_GT(pixels[feature], 30) << seen.truth.features[feature];
-    EXPECT_LT(pixels[feature], pixels[6]) << seen.truth.features[feature];
-  }
-}
-
 }  // namespace
 }  // namespace wobblebench::bench
