@@ -89,7 +89,7 @@ std::vector<std::vector<std::string>> commands_of(const PopulationPlan& plan,
   const std::string recording = (out / kRecording).string();
   std::vector<std::vector<std::string>> commands = {
       {"record", scene.string(), "--out", out.string()},
-      {"run", scene.string(), "--board", "file=" + recording, "--out", out.string()}};
+      {"run", scene.string(), "--board", "file=" + recording, "--labels", "--out", out.string()}};
   if (how.gl != "auto") commands.back().insert(commands.back().end(), {"--gl", how.gl});
   if (plan.exports.empty()) return commands;
   std::vector<std::string> exported = {"export", recording, "--scene", scene.string()};

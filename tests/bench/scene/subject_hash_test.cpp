@@ -21,6 +21,10 @@ class ChangeOne {
   void real(std::string_view key, double& value, double unit, double, double) {
     if (chosen(key)) value += 1e-3 * unit;
   }
+  void real_or_auto(
+      std::string_view key, std::optional<double>& value, double unit, double, double) {
+    if (chosen(key)) value = value.value_or(0) + 1e-3 * unit;
+  }
   void reals(std::string_view key, std::vector<double>& values, double unit, double, double) {
     if (chosen(key)) values.push_back(unit);
   }

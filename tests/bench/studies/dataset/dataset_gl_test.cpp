@@ -96,7 +96,8 @@ TEST_F(Dataset, HasALineForEachSceneAndNotesRefusals) {
       EXPECT_NE(line.at("refused").get<std::string>().find("open.obj"), std::string::npos);
       continue;
     }
-    for (const char* name : {"recording.wbst", "polar.npz", "depth.exr", "truth_depth.exr"}) {
+    for (const char* name :
+         {"recording.wbst", "polar.npz", "depth.exr", "truth_depth.exr", "labels.exr"}) {
       EXPECT_TRUE(line.at("files").contains(name)) << name;
     }
     const double radius_mm = line.at("settings").at("phantom.radius_mm");
