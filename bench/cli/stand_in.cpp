@@ -58,10 +58,10 @@ int emulate_card(const Arguments& arguments) {
                                       scene, open_phantom_cache(arguments.cache.most_megabytes())))
                                 : MakeSticks{};
   Progress progress;
-  warn_of_scan(scene, is_simulated(board), progress);
   // Opened once and closed, so that a link that cannot be opened fails here and not at the first
   // read.
   progress.step("open", [&] { open_board_link(board, sticks); });
+  warn_of_scan(scene, is_simulated(board), progress);
   const InterruptSignals signals;
   const hw::XdmaEmulator card(arguments.folder, [&] { return open_board_link(board, sticks); });
   std::cout << "stand-in    " << card.path().string() << ", until Ctrl-C" << std::endl;

@@ -13,6 +13,7 @@
 #include <string_view>
 
 #include "base/number_text.h"
+#include "base/units.h"
 #include "render/geometry/ray_sampling.h"
 
 namespace wobblebench::render {
@@ -97,23 +98,34 @@ Defines defines(const SliceGeometry& geometry, const RenderOptions& options, boo
       .add("STOP_ON_LEAVING_CONE", o.stop_on_leaving_cone);
 }
 
-/// Most steps of a ray: between opposite corners of a box around those in which it begins and ends.
-double most_steps(const SliceGeometry& geometry, const RenderOptions& options) {
+/// Longest way of a ray: between opposite corners of a box around those in which it begins and
+/// ends; with `clipped`, which rays that leap are, around the cone of valid data.
+double longest_ray_m(const SliceGeometry& geometry, const RenderOptions& options, bool clipped) {
   const VolumeOfInterest& start = options.volume_of_interest;
   const VolumeOfInterest end = options.ray_casting.stop_at_box ? start : field_box(geometry);
   const glm::dvec3 low =
       glm::min(start.center_m - 0.5 * start.size_m, end.center_m - 0.5 * end.size_m);
   const glm::dvec3 high =
       glm::max(start.center_m + 0.5 * start.size_m, end.center_m + 0.5 * end.size_m);
-  return glm::distance(low, high) / step_m(options) + 1;
+  const double in_boxes_m = glm::distance(low, high);
+  const double half_fan_rad = std::max(-geometry.phi_min_rad(), geometry.phi_max_rad());
+  if (!clipped || half_fan_rad > 0.5 * kPi) return in_boxes_m;
+  const double axis_m = geometry.axis_z_m();
+  const glm::dvec3 cone_m(
+      2 * geometry.x_max_m(),
+      2 * (geometry.r_max_m() - axis_m) * std::sin(half_fan_rad),
+      geometry.r_max_m() - axis_m - (geometry.depth_min_m() - axis_m) * std::cos(half_fan_rad));
+  return std::min(in_boxes_m, glm::length(cone_m));
 }
 
-/// Turns of a ray's loops, at most. `leaps`: it may take a step twice, to fill its kernel again
-/// behind a leap, and look where to leap to.
+/// Turns of a ray's loops, at most. `leaps`: it is clipped to the cone, may take a step twice, to
+/// fill its kernel again behind a leap, and looks where to leap to.
 double loop_turns(const SliceGeometry& geometry, const RenderOptions& options, bool leaps) {
+  const double steps = longest_ray_m(geometry, options, leaps) / step_m(options) + 1;
   const auto taps = static_cast<double>(buffer_weights(options.ray_casting).size());
+  if (leaps && in_blocks(options)) return steps / block_length(options);
   const double turns_a_step = taps > 1 ? 1 + taps : 1;
-  return most_steps(geometry, options) * (leaps ? 2 * turns_a_step + 1 : turns_a_step);
+  return steps * (leaps ? 2 * turns_a_step + 1 : turns_a_step);
 }
 
 bool counts_loop_turns() {
@@ -123,13 +135,12 @@ bool counts_loop_turns() {
 }
 
 /// Throws std::runtime_error where rays would end before their last step.
-void check_loop_turns(const SliceGeometry& geometry, const RenderOptions& options) {
-  const double turns = loop_turns(geometry, options, false);
-  if (!counts_loop_turns() || turns <= kMostLoopTurns) return;
+void check_loop_turns(double turns, const RenderOptions& options) {
+  if (turns <= kMostLoopTurns) return;
   throw std::runtime_error(
       "render.ray_casting.steps = " + std::to_string(options.ray_casting.steps) +
-      ": this software driver ends the loops of a pixel after 65535 turns, and the longest ray in "
-      "the box needs " +
+      ": this software driver ends the loops of a pixel after 65535 turns, and the longest ray "
+      "takes " +
       significant(turns, 3) +
       ": take fewer steps, a smaller window_2d or kernel_3d, or a deeper volume of interest");
 }
@@ -171,10 +182,9 @@ RayCaster::RayCaster(const SliceGeometry& geometry,
   transfer_.upload(
       TransferFunction(options.ray_casting, step_m(options)).table(kTransferTableSize));
   const SkippableCells* cells = volume.cells();
-  check_loop_turns(geometry, options);
   const bool leaps = cells && cells->can_leap();
-  const bool fits = in_blocks(options) || !counts_loop_turns() ||
-                    loop_turns(geometry, options, true) <= kMostLoopTurns;
+  const bool fits = !counts_loop_turns() || loop_turns(geometry, options, leaps) <= kMostLoopTurns;
+  if (!fits) check_loop_turns(loop_turns(geometry, options, false), options);
   ray_cast_ = make_program(defines(geometry, options, leaps && fits), is_fast(options) && fits);
   set_view(options);
   set_box(options);

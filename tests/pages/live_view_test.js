@@ -141,7 +141,7 @@ test('probe and phantom are drawn in space, while that is open', () => withLive(
 }));
 
 test('warnings stand on the page', async () => {
-  const other = await start(['--set', 'acquisition.depth_mm=80', '--gl', 'osmesa']);
+  const other = await start(['--set', 'acquisition.frames_per_volume=1', '--gl', 'osmesa']);
   await withLive(async (page) => {
     const warnings = await page.locator('.warnings p').allTextContents();
     assert.deepEqual(warnings, [...new Set(other.warnings())].reverse());

@@ -192,12 +192,14 @@ void StreamSender::send_picture(const ShownPicture& shown) {
   const PictureTimes& times = shown.times;
   const render::Camera& camera = scan_->scene.view().camera;
   const Image<glm::vec3>& surface = shown.picture.surface;
-  std::vector<float> values;
-  values.reserve(3 * surface.pixels.size());
+  std::vector<std::uint8_t> pixels;
+  pixels.reserve(3 * surface.pixels.size());
   for (const glm::vec3& light : surface.pixels) {
-    for (int i = 0; i < 3; ++i) values.push_back(encoded(light[i]));
+    // Rounded as OpenImageIO does, in floats, so that the picture is that of surface.png.
+    for (int i = 0; i < 3; ++i) {
+      pixels.push_back(static_cast<std::uint8_t>(encoded(light[i]) * 255.0F + 0.5F));
+    }
   }
-  const std::vector<std::uint8_t> pixels = whole_numbers<std::uint8_t>(values);
   const bool is_parallel = camera.projection == render::Projection::parallel;
   const double distance_m = is_parallel ? camera.plane_distance_m : 0;
   const double pixel_mm = camera.pixel_m() / kMillimetre;
