@@ -557,16 +557,16 @@ Phantom phantom_from_bytes(std::string_view bytes) {
   std::vector<Landmark> landmarks = read_landmarks(from);
   std::vector<PhantomMeasure> measures = read_measures(from);
   from.expect_end();
-  const Phantom phantom = Phantom(std::move(name),
-                                  std::move(materials),
-                                  background,
-                                  std::move(surfaces),
-                                  region,
-                                  position_m,
-                                  std::move(grids),
-                                  joint,
-                                  std::move(points))
-                              .with_measures(std::move(measures));
+  Phantom phantom = Phantom(std::move(name),
+                            std::move(materials),
+                            background,
+                            std::move(surfaces),
+                            region,
+                            position_m,
+                            std::move(grids),
+                            joint,
+                            std::move(points))
+                        .with_measures(std::move(measures));
   if (!parts) return phantom;
   return phantom.with_parts(*std::move(parts), std::move(landmarks));
 }

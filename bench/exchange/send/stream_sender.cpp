@@ -197,7 +197,7 @@ void StreamSender::send_picture(const ShownPicture& shown) {
   for (const glm::vec3& light : surface.pixels) {
     // Rounded as OpenImageIO does, in floats, so that the picture is that of surface.png.
     for (int i = 0; i < 3; ++i) {
-      pixels.push_back(static_cast<std::uint8_t>(encoded(light[i]) * 255.0F + 0.5F));
+      pixels.push_back(static_cast<std::uint8_t>(std::floor(encoded(light[i]) * 255.0F + 0.5F)));
     }
   }
   const bool is_parallel = camera.projection == render::Projection::parallel;
