@@ -10,6 +10,7 @@
 #include <random>
 #include <set>
 #include <string>
+#include <vector>
 
 #include "base/units.h"
 #include "phantoms/float_grid.h"
@@ -38,6 +39,15 @@ std::map<std::string, glm::dvec3> landmarks_of(const Phantom& phantom) {
   return found;
 }
 
+/// Numbers from `begin` up to `end`, without it.
+std::vector<double> steps(double begin, double end, double step) {
+  std::vector<double> numbers(static_cast<std::size_t>(std::ceil((end - begin) / step)));
+  for (std::size_t i = 0; i < numbers.size(); ++i) {
+    numbers[i] = begin + static_cast<double>(i) * step;
+  }
+  return numbers;
+}
+
 /// What a line of sight from the probe's side meets first: bisection on all grids of the phantom.
 struct Met {
   int surface = -1;
@@ -48,7 +58,7 @@ Met met_from_front(const Phantom& phantom, double x, double y) {
   const auto& box = phantom.region_of_interest();
   const int fluid = index_of(phantom, "cavity");
   constexpr double kStep_m = 0.05e-3;
-  for (double z = box.low.z; z < box.high.z; z += kStep_m) {
+  for (const double z : steps(box.low.z, box.high.z, kStep_m)) {
     const int enclosing = finder.enclosing({x, y, z});
     if (enclosing != fluid) return {enclosing, {x, y, z}};
   }
@@ -148,7 +158,8 @@ TEST(Labels, FollowEachOtherDownTheProfile) {
   const int skin = index_of(face, "skin");
   std::vector<Part> order;
   const auto points = landmarks_of(face);
-  for (double y = points.at("vertex").y + 5e-3; y < points.at("menton").y - 0.5e-3; y += 0.2e-3) {
+  for (const double y :
+       steps(points.at("vertex").y + 5e-3, points.at("menton").y - 0.5e-3, 0.2e-3)) {
     const Met met = met_from_front(face, 0, y);
     if (met.surface != skin) continue;
     const auto part = static_cast<Part>(finder.on_surface(skin, met.at));
@@ -171,8 +182,8 @@ TEST(Labels, OfAMirroredFaceAreMirrored) {
   const LabelFinder finder(face);
   const int skin = index_of(face, "skin");
   int compared = 0, other = 0;
-  for (double y = -30e-3; y < 26e-3; y += 1.3e-3) {
-    for (double x = 0.4e-3; x < 30e-3; x += 1.1e-3) {
+  for (const double y : steps(-30e-3, 26e-3, 1.3e-3)) {
+    for (const double x : steps(0.4e-3, 30e-3, 1.1e-3)) {
       const Met right = met_from_front(face, x, y), left = met_from_front(face, -x, y);
       if (right.surface != skin || left.surface != skin) continue;
       const auto a = static_cast<Part>(finder.on_surface(skin, right.at));
@@ -195,8 +206,8 @@ TEST(Labels, NameHandCordPlacentaAndCleft) {
                                      .placenta_m = 5e-3});
   std::map<Part, int> seen;
   const LabelFinder finder(face);
-  for (double y = -40e-3; y < 40e-3; y += 1e-3) {
-    for (double x = -38e-3; x < 38e-3; x += 1e-3) {
+  for (const double y : steps(-40e-3, 40e-3, 1e-3)) {
+    for (const double x : steps(-38e-3, 38e-3, 1e-3)) {
       const Met met = met_from_front(face, x, y);
       if (met.surface >= 0) ++seen[static_cast<Part>(finder.on_surface(met.surface, met.at))];
     }
@@ -208,7 +219,7 @@ TEST(Labels, NameHandCordPlacentaAndCleft) {
   // In front of the volume of interest, on the axis.
   const glm::dvec3 front(0, 0, face.region_of_interest().low.z);
   std::set<Part> before;
-  for (double z = 0; z < 20e-3; z += 0.2e-3) {
+  for (const double z : steps(0, 20e-3, 0.2e-3)) {
     before.insert(static_cast<Part>(finder.at(front - glm::dvec3(0, 0, z))));
   }
   EXPECT_TRUE(before.contains(Part::amniotic_fluid));
@@ -218,8 +229,8 @@ TEST(Labels, NameHandCordPlacentaAndCleft) {
   const Phantom bare = upright_face({.cleft_width_m = 3e-3});
   const LabelFinder labels(bare);
   int cleft = 0;
-  for (double y = 5e-3; y < 15e-3; y += 0.3e-3) {
-    for (double x = -6e-3; x < 6e-3; x += 0.3e-3) {
+  for (const double y : steps(5e-3, 15e-3, 0.3e-3)) {
+    for (const double x : steps(-6e-3, 6e-3, 0.3e-3)) {
       const Met met = met_from_front(bare, x, y);
       if (met.surface != index_of(bare, "skin")) continue;
       if (static_cast<Part>(labels.on_surface(met.surface, met.at)) != Part::cleft) continue;

@@ -197,7 +197,7 @@ TEST(UnevenTissue, KeepsTheMeanPower) {
     const auto samples = ProbeSimulator(subject, plan, options).volume(0);
     uneven += mean_power(samples, 1024, 0, 1024);
     // Blocks of 5 mm and 48 x 24 sticks' neighbours: 1 stick.
-    for (std::size_t stick = 0; stick < 48 * 24; stick += 5) {
+    for (std::size_t stick = 0; stick < std::size_t{48} * 24; stick += 5) {
       const std::vector<float> one(
           samples.begin() + static_cast<std::ptrdiff_t>(stick * 1024),
           samples.begin() + static_cast<std::ptrdiff_t>(stick * 1024 + 1024));
