@@ -223,12 +223,12 @@ Labels label_truth(const ResolvedScene& scene,
                    std::uint32_t volume) {
   const phantoms::Phantom& phantom = scene.subject().value().phantom;
   Labels labels{.before = parts_before(scene, truth, volume), .names = {}, .landmarks = {}};
-  Image<std::uint8_t> used = truth.part;
-  used.pixels.insert(used.pixels.end(), labels.before.pixels.begin(), labels.before.pixels.end());
+  std::vector<std::uint8_t> used = truth.part.pixels;
+  used.insert(used.end(), labels.before.pixels.begin(), labels.before.pixels.end());
   const LandmarkFinder finder(scene, truth, reach, volume);
   for (const phantoms::Landmark& landmark : phantom.landmarks()) {
     labels.landmarks.push_back(finder.find(landmark));
-    used.pixels.push_back(labels.landmarks.back().before);
+    used.push_back(labels.landmarks.back().before);
   }
   labels.names = labels_in(used, phantom);
   return labels;

@@ -78,10 +78,10 @@ bool in_field(const hw::AcquisitionPlan& plan, const hw::PolarPoint& point) {
          std::abs(point.theta_rad) <= a.sector_rad / 2 && std::abs(point.phi_rad) <= a.fan_rad / 2;
 }
 
-std::vector<phantoms::LabelName> labels_in(const Image<std::uint8_t>& image,
+std::vector<phantoms::LabelName> labels_in(std::span<const std::uint8_t> labels,
                                            const phantoms::Phantom& phantom) {
   std::array<bool, 256> is_there{};
-  for (const std::uint8_t label : image.pixels) is_there[label] = true;
+  for (const std::uint8_t label : labels) is_there[label] = true;
   std::vector<phantoms::LabelName> names = phantoms::label_names(phantom);
   std::erase_if(names, [&](const auto& name) { return !is_there[name.label]; });
   return names;
@@ -102,7 +102,7 @@ Truth trace_truth(const phantoms::PlacedPhantom& subject,
     }
   });
   if (subject.phantom.parts() != nullptr) {
-    truth.parts = labels_in(truth.part, subject.phantom);
+    truth.parts = labels_in(truth.part.pixels, subject.phantom);
   }
   return truth;
 }

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <glm/vec3.hpp>
+#include <span>
 #include <vector>
 
 #include "base/image.h"
@@ -68,7 +69,7 @@ Truth trace_truth(const phantoms::PlacedPhantom& subject,
                   std::uint32_t volume = 0);
 
 /// Those labels of the phantom that occur, by number.
-std::vector<phantoms::LabelName> labels_in(const Image<std::uint8_t>& image,
+std::vector<phantoms::LabelName> labels_in(std::span<const std::uint8_t> labels,
                                            const phantoms::Phantom& phantom);
 
 /// Whether sticks reach a point: within sector, fan and depth.

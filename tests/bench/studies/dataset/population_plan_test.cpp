@@ -12,7 +12,7 @@
 #include <set>
 
 #include "base/user_error.h"
-#include "tests/support/folder_test.h"
+#include "tests/support/plan_file_test.h"
 
 namespace wobblebench::bench {
 namespace {
@@ -20,20 +20,8 @@ namespace {
 const std::string kBall = "[scene]\nphantom.name = \"sphere\"\n";
 constexpr int kDraws = 20000;
 
-class PopulationPlanFile : public testing_support::FolderTest {
+class PopulationPlanFile : public testing_support::PlanFileTest<load_population_plan> {
  protected:
-  PopulationPlan load(const std::string& text) {
-    std::ofstream(folder_ / "plan.toml") << text;
-    return load_population_plan(folder_ / "plan.toml");
-  }
-  std::string refusal(const std::string& text) {
-    try {
-      load(text);
-    } catch (const UserError& error) {
-      return error.what();
-    }
-    return "";
-  }
   /// The refusal behind the name of the file.
   void expect_refusal(const std::string& text, const std::string& part) {
     const std::string line = refusal(text);

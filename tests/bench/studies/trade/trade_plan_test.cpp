@@ -10,7 +10,7 @@
 #include <set>
 
 #include "base/user_error.h"
-#include "tests/support/folder_test.h"
+#include "tests/support/plan_file_test.h"
 
 namespace wobblebench::bench {
 namespace {
@@ -23,21 +23,7 @@ const std::string kRange =
     "\"render.ray_casting.iso_level\" = { from = 0.5, to = 0.9 }\n"
     "\"render.reconstruction.spacing_mm\" = { from = 0.5, to = 8, logarithmic = true }\n";
 
-class TradePlanFile : public testing_support::FolderTest {
- protected:
-  TradePlan load(const std::string& text) {
-    std::ofstream(folder_ / "plan.toml") << text;
-    return load_trade_plan(folder_ / "plan.toml");
-  }
-  std::string refusal(const std::string& text) {
-    try {
-      load(text);
-    } catch (const UserError& error) {
-      return error.what();
-    }
-    return "";
-  }
-};
+using TradePlanFile = testing_support::PlanFileTest<load_trade_plan>;
 
 std::map<std::string, int> counts(const std::vector<TradePoint>& points, std::size_t axis) {
   std::map<std::string, int> result;
