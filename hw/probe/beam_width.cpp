@@ -8,7 +8,6 @@
 #include <glm/vec2.hpp>
 #include <stdexcept>
 
-#include "base/parallel.h"
 #include "base/units.h"
 
 namespace wobblebench::hw {
@@ -113,12 +112,10 @@ BeamWidth beam_width(const AcquisitionPlan& plan, double range_m) {
 
 BeamWidths::BeamWidths(const AcquisitionPlan& plan)
     : first_m_(std::min(kNearest_m, 0.5 * plan.acquisition().depth_m)),
-      last_m_(plan.acquisition().depth_m),
-      rows_(kRows) {
-  parallel_rows(kRows, [&](int row) {
-    rows_[static_cast<std::size_t>(row)] =
-        beam_width(plan, first_m_ + row * (last_m_ - first_m_) / (kRows - 1));
-  });
+      last_m_(plan.acquisition().depth_m) {
+  for (int row = 0; row < kRows; ++row) {
+    rows_.push_back(beam_width(plan, first_m_ + row * (last_m_ - first_m_) / (kRows - 1)));
+  }
 }
 
 BeamWidth BeamWidths::at(double range_m) const {
