@@ -51,7 +51,7 @@ const std::map<std::string, Paths>& paths_by_command() {
       {"rehearse",
        {"/rehearsal/wall_s", "/rehearsal/times_real_time", "/rehearsal/times_acquisition"}},
       {"board", {"/throughput/stages", "/cancel"}},
-      {"tables", {"/reference", "/tables", "/arrival", "/floor"}},
+      {"tables", {"/reference", "/tables", "/arrival", "/stages", "/floor"}},
       {"accuracy", {"/accuracy/evaluation_ms", "/accuracy/render_ms"}},
       {"trade", {"/machines", "/trade/parts"}},
       {"tune",

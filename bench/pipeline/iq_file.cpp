@@ -9,7 +9,7 @@
 #include <stdexcept>
 #include <utility>
 
-#include "bench/exchange/files/numpy_arrays.h"
+#include "bench/exchange/files/npy.h"
 #include "sim/optics/probe_optics.h"
 #include "sim/optics/pulse_band.h"
 

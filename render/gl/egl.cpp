@@ -132,9 +132,13 @@ class EglContext final : public DriverContext {
   EGLContext context_ = EGL_NO_CONTEXT;
 };
 
-/// Checks for a client extension, one that needs no display.
+/// A client extension is one that needs no display.
+bool has(const Egl& egl, const char* extension) {
+  return contains(egl.query_string(EGL_NO_DISPLAY, EGL_EXTENSIONS), extension);
+}
+
 void require(const Egl& egl, const char* extension) {
-  if (contains(egl.query_string(EGL_NO_DISPLAY, EGL_EXTENSIONS), extension)) return;
+  if (has(egl, extension)) return;
   throw std::runtime_error(std::string("libEGL lacks ") + extension + ": install libegl-mesa0");
 }
 
@@ -197,7 +201,8 @@ std::unique_ptr<GlContext> make_surfaceless_context() {
 std::unique_ptr<GlContext> make_device_context() {
   return with_backend_name("egl-device", [] {
     const Egl egl;
-    require(egl, "EGL_EXT_device_enumeration");
+    // NVIDIA's driver names the older extension alone, which two others have replaced.
+    if (!has(egl, "EGL_EXT_device_base")) require(egl, "EGL_EXT_device_enumeration");
     require(egl, "EGL_EXT_platform_device");
     std::string reasons;
     std::size_t number = 0;

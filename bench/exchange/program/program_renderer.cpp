@@ -18,7 +18,7 @@
 #include "base/file.h"
 #include "base/units.h"
 #include "base/user_error.h"
-#include "bench/exchange/files/numpy_arrays.h"
+#include "bench/exchange/files/npy.h"
 #include "bench/output/camera_matrices.h"
 #include "bench/output/picture/scan_plane.h"
 #include "bench/scene/scene.h"

@@ -7,7 +7,8 @@
 
 #include "base/file.h"
 #include "base/near_name.h"
-#include "bench/exchange/files/numpy_arrays.h"
+#include "bench/exchange/files/npy.h"
+#include "bench/exchange/files/npz_reader.h"
 #include "bench/output/encoders.h"
 
 namespace wobblebench::bench {

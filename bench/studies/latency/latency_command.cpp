@@ -1,6 +1,8 @@
 // Acquisition against rendering: what limits a stream on this machine, and elsewhere.
+#include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <vector>
 
 #include "base/user_error.h"
 #include "bench/command/commands.h"
@@ -24,6 +26,7 @@ struct Arguments {
   std::string gl = "auto";
   std::string policy = "newest";
   int volumes = 60;
+  std::filesystem::path times;
 };
 
 Scene scene_of(const Arguments& arguments) {
@@ -42,13 +45,14 @@ Scene scene_of(const Arguments& arguments) {
 
 CommandResult study_of(const Scene& scene,
                        const Arguments& arguments,
+                       const std::vector<KnownTimes>& known,
                        render::GlContext& context,
                        Progress& progress) {
   const bool is_every = arguments.policy == to_string(StreamPolicy::every);
   const auto policy = is_every ? StreamPolicy::every : StreamPolicy::newest;
   PhantomCache cache = open_phantom_cache(arguments.cache.most_megabytes());
   const LatencyStudy study = progress.step("streams", [&](const PartDone& done) {
-    return study_latency(scene, arguments.volumes, policy, context, cache, done);
+    return study_latency(scene, arguments.volumes, policy, known, context, cache, done);
   });
   const Provenance provenance = provenance_of_simulation(context, scene.simulation.seed);
   Json report = report_head("latency", provenance, scene);
@@ -61,13 +65,15 @@ CommandResult study_of(const Scene& scene,
 
 int latency(const Arguments& arguments) {
   const Scene scene = scene_of(arguments);
+  std::vector<KnownTimes> known;
+  if (!arguments.times.empty()) known = read_known_times(arguments.times);
   check_memory_of_run(scene, available_memory_bytes());
   const auto context = render::make_context(arguments.gl);
   return run_in_folder(
       arguments.output, {{"streams", 100}}, [&](OutputFolder&, Progress& progress) {
         warn_of_software(*context, arguments.gl, progress);
         warn_of_scene(scene, SampleSource::simulator, progress);
-        return study_of(scene, arguments, *context, progress);
+        return study_of(scene, arguments, known, *context, progress);
       });
 }
 
@@ -87,6 +93,10 @@ Command add_latency_command(CLI::App& app) {
              {"newest", "every"},
              "newest: drop volumes that a later one has overtaken; every: they wait");
   add_integer(command, "--volumes", arguments->volumes, "Of each stream", 10, 1000);
+  add_path(command,
+           "--times",
+           arguments->times,
+           "report.json of tables or script/gpu: predict the scene on that machine, too");
   return {&command, [arguments] { return latency(*arguments); }};
 }
 

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <iterator>
 #include <nlohmann/json.hpp>
+#include <span>
 #include <sstream>
 
 #include "base/number_text.h"
@@ -31,14 +32,14 @@ Json check_json(const LatencyCheck& check) {
           {"age_newest_ms",
            {{"wall", ages_json(check.wall)},
             {"virtual",
-             {{"p50", drawn_json(check.predicted_p50_ms)},
-              {"p99", drawn_json(check.predicted_p99_ms)}}}}},
+             {{"p50", drawn_json(check.predicted.p50_ms)},
+              {"p99", drawn_json(check.predicted.p99_ms)}}}}},
           {"volumes_per_s",
            {{"wall", number(check.wall_volumes_per_s)},
-            {"virtual", number(check.predicted_volumes_per_s)}}},
+            {"virtual", number(check.predicted.volumes_per_s)}}},
           {"rendering_ms",
            {{"wall", number(check.wall_renderer_ms)},
-            {"virtual", number(check.predicted_renderer_ms)}}}};
+            {"virtual", number(check.predicted.renderer_ms)}}}};
 }
 
 Json stall_json(const StallRecovery& stall) {
@@ -55,6 +56,15 @@ Json curve_json(const CrossoverCurve& curve) {
     points.push_back({{"depth_mm", curve.depth_mm[i]}, {"frames", number(curve.frames[i])}});
   }
   return {{"times", curve.times}, {"lines", curve.lines}, {"points", points}};
+}
+
+Json what_if_json(const WhatIf& what_if) {
+  const Prediction& predicted = what_if.predicted;
+  return {{"times", what_if.times},
+          {"age_newest_ms",
+           {{"p50", drawn_json(predicted.p50_ms)}, {"p99", drawn_json(predicted.p99_ms)}}},
+          {"volumes_per_s", number(predicted.volumes_per_s)},
+          {"renderer_ms", number(predicted.renderer_ms)}};
 }
 
 template <class Items, class ToJson>
@@ -74,6 +84,7 @@ Json latency_study_json(const LatencyStudy& study) {
           {"checks", array_of(study.checks, check_json)},
           {"stalls", array_of(study.stalls, stall_json)},
           {"crossovers", array_of(study.crossovers, curve_json)},
+          {"what_ifs", array_of(study.what_ifs, what_if_json)},
           {"line_rates",
            array_of(study.line_rates,
                     [](const LineRate& rate) {
@@ -157,15 +168,15 @@ Table check_table(const LatencyStudy& study) {
                check.sound_ms,
                check.wall.n,
                check.wall.p50,
-               drawn_cell(check.predicted_p50_ms),
-               off_by_percent(check.predicted_p50_ms.median, check.wall.p50),
+               drawn_cell(check.predicted.p50_ms),
+               off_by_percent(check.predicted.p50_ms.median, check.wall.p50),
                check.wall.p99,
-               drawn_cell(check.predicted_p99_ms),
-               off_by_percent(check.predicted_p99_ms.median, check.wall.p99),
+               drawn_cell(check.predicted.p99_ms),
+               off_by_percent(check.predicted.p99_ms.median, check.wall.p99),
                check.wall_volumes_per_s,
-               check.predicted_volumes_per_s,
+               check.predicted.volumes_per_s,
                check.wall_renderer_ms,
-               check.predicted_renderer_ms});
+               check.predicted.renderer_ms});
   }
   return table;
 }
@@ -174,7 +185,7 @@ Table check_table(const LatencyStudy& study) {
 Chart age_chart(const LatencyStudy& study,
                 const std::string& percentile,
                 double Percentiles::*wall,
-                Drawn LatencyCheck::*predicted) {
+                Drawn Prediction::*predicted) {
   constexpr double kApart = 0.1;
   Chart chart{.title = "Age of the newest echo, " + percentile,
               .x = {.label = "setting"},
@@ -185,7 +196,7 @@ Chart age_chart(const LatencyStudy& study,
     const auto at = static_cast<double>(chart.x.names.size());
     chart.x.names.push_back(check.name);
     on_wall.add(at - kApart, check.wall.*wall);
-    const Drawn& drawn = check.*predicted;
+    const Drawn& drawn = check.predicted.*predicted;
     in_virtual.add(at + kApart, drawn.median);
     in_virtual.low.push_back(drawn.low);
     in_virtual.high.push_back(drawn.high);
@@ -199,8 +210,8 @@ void add_checks(const LatencyStudy& study, Document& document) {
                 .caption =
                     "Age of the newest echo on both clocks; virtual time with what 95 % of "
                     "200 streams lie between."};
-  figure.panels = {age_chart(study, "P50", &Percentiles::p50, &LatencyCheck::predicted_p50_ms),
-                   age_chart(study, "P99", &Percentiles::p99, &LatencyCheck::predicted_p99_ms)};
+  figure.panels = {age_chart(study, "P50", &Percentiles::p50, &Prediction::p50_ms),
+                   age_chart(study, "P99", &Percentiles::p99, &Prediction::p99_ms)};
   document.add(Heading{"Virtual time against the wall clock"})
       .add(Text{
           "Age of the newest echo, from its scheduled emission until the picture is ready. "
@@ -290,12 +301,14 @@ Table crossover_table(const LatencyStudy& study) {
 }
 
 /// For which depth and number of frames sound takes longer than rendering; the scene is a point.
+/// Of known times, which have three curves each, the table has enough.
 Chart crossover_chart(const LatencyStudy& study, const Scene& scene) {
   Chart chart{.title = "Above its line sound takes longer than rendering, below it rendering does",
               .x = {.label = "depth (mm)"},
               .y = {.label = "frames a volume", .scale = Scale::logarithmic}};
   int colour = 0;
-  for (const CrossoverCurve& curve : study.crossovers) {
+  const std::size_t first_known = study.crossovers.size() - 3 * study.what_ifs.size();
+  for (const CrossoverCurve& curve : std::span(study.crossovers).first(first_known)) {
     chart.series.push_back({.name = curve.times + ", " + std::to_string(curve.lines) + " lines",
                             .x = curve.depth_mm,
                             .y = curve.frames,
@@ -324,6 +337,29 @@ void add_crossovers(const LatencyStudy& study, const Scene& scene, Document& doc
           .panels = {crossover_chart(study, scene)}});
 }
 
+void add_what_ifs(const LatencyStudy& study, Document& document) {
+  if (study.what_ifs.empty()) return;
+  Table table{.name = "what_ifs",
+              .columns = {{"times", "times of"},
+                          {"p50_ms", "P50", "ms", 1},
+                          {"p99_ms", "P99", "ms", 1},
+                          {"volumes_per_s", "volumes/s"},
+                          {"rendering_ms", "rendering a volume", "ms", 1}}};
+  for (const WhatIf& what_if : study.what_ifs) {
+    const Prediction& predicted = what_if.predicted;
+    table.add({what_if.times,
+               drawn_cell(predicted.p50_ms),
+               drawn_cell(predicted.p99_ms),
+               predicted.volumes_per_s,
+               predicted.renderer_ms});
+  }
+  document.add(Heading{"The scene by other machines' times"})
+      .add(Text{"Virtual time, as above, by service times of `--times`: a machine by the paper's "
+                "settings of the renderer and by the default ones, whatever the scene's are. "
+                "Waking up and writing, which are not known there, take no time."})
+      .add(std::move(table));
+}
+
 void add_line_rates(const LatencyStudy& study, Document& document) {
   Table table{.name = "line_rates",
               .columns = {{"first_loss", "first loss"}, {"per_s", "sticks a second", "", 0}}};
@@ -348,6 +384,7 @@ Document latency_document(const LatencyStudy& study,
   add_checks(study, document);
   add_stalls(study, document);
   add_crossovers(study, scene, document);
+  add_what_ifs(study, document);
   add_line_rates(study, document);
   return document;
 }

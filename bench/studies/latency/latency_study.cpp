@@ -154,10 +154,12 @@ class Study {
   Study(const Scene& scene,
         int volumes,
         StreamPolicy policy,
+        const std::vector<KnownTimes>& known,
         render::GlContext& context,
         PhantomCache& cache,
         const PartDone& done)
       : scene_(scene),
+        known_(known),
         context_(context),
         cache_(cache),
         parts_(kRounds * variants().size() + std::size(kStalls_ms) + 1, done) {
@@ -172,13 +174,16 @@ class Study {
  private:
   Scene scene_of(const Variant& variant) const;
   VirtualSetting virtual_setting(const hw::AcquisitionPlan& plan) const;
-  void predict(const VirtualSetting& setting, LatencyCheck& check) const;
+  Prediction predict(const VirtualSetting& setting) const;
+  WhatIf what_if(const KnownTimes& known) const;
   using Rounds = std::vector<StreamResult>;
   std::vector<Rounds> stream(const std::vector<Variant>& all);
   LatencyCheck check(const Variant& variant, const Rounds& wall, const Scene& scene) const;
   StallRecovery recover(double stall_ms);
+  void add_curves(const KnownTimes& known);
 
   Scene scene_;
+  const std::vector<KnownTimes>& known_;
   render::GlContext& context_;
   PhantomCache& cache_;
   PartCount parts_;
@@ -198,13 +203,13 @@ Scene Study::scene_of(const Variant& variant) const {
 VirtualSetting Study::virtual_setting(const hw::AcquisitionPlan& plan) const {
   return {.plan = plan,
           .card = card_,
-          .times = times_at(
-              times_[0], frames_[0], times_[1], frames_[1], plan.acquisition().frames_per_volume),
+          .times = KnownTimes{"", times_[0], frames_[0], times_[1], frames_[1]}.at(
+              plan.acquisition().frames_per_volume),
           .queue = {.policy = result_.policy},
           .volumes = kRounds * result_.volumes};
 }
 
-void Study::predict(const VirtualSetting& setting, LatencyCheck& check) const {
+Prediction Study::predict(const VirtualSetting& setting) const {
   std::vector<double> p50, p99, rate;
   VirtualSetting drawn = setting;
   for (int seed = 1; seed <= kDraws; ++seed) {
@@ -218,9 +223,15 @@ void Study::predict(const VirtualSetting& setting, LatencyCheck& check) const {
   const auto of = [](const std::vector<double>& values) {
     return Drawn{quantile(values, 0.5), quantile(values, 0.025), quantile(values, 0.975)};
   };
-  check.predicted_p50_ms = of(p50);
-  check.predicted_p99_ms = of(p99);
-  check.predicted_volumes_per_s = quantile(rate, 0.5);
+  const int frames = setting.plan.acquisition().frames_per_volume;
+  return {of(p50), of(p99), quantile(rate, 0.5), 1e3 * setting.times.renderer_s(frames)};
+}
+
+WhatIf Study::what_if(const KnownTimes& known) const {
+  const auto plan = scene_.plan();
+  VirtualSetting setting = virtual_setting(plan);
+  setting.times = known.at(plan.acquisition().frames_per_volume);
+  return {known.name, predict(setting)};
 }
 
 /// The rounds of each variant.
@@ -239,19 +250,14 @@ std::vector<Study::Rounds> Study::stream(const std::vector<Variant>& all) {
 
 LatencyCheck Study::check(const Variant& variant, const Rounds& wall, const Scene& scene) const {
   const auto plan = scene.plan();
-  const VirtualSetting setting = virtual_setting(plan);
   const int frames = plan.acquisition().frames_per_volume;
-  LatencyCheck check{.name = variant.name,
-                     .calibrated_on = false,
-                     .sound_ms = to_milliseconds(plan.volume_duration()),
-                     .wall = age_percentiles(wall_ages(wall, plan)),
-                     .predicted_p50_ms = {},
-                     .predicted_p99_ms = {},
-                     .wall_volumes_per_s = wall_rate(wall, plan),
-                     .wall_renderer_ms = 1e3 * measured_times(wall, plan, card_).renderer_s(frames),
-                     .predicted_renderer_ms = 1e3 * setting.times.renderer_s(frames)};
-  predict(setting, check);
-  return check;
+  return {.name = variant.name,
+          .calibrated_on = false,
+          .sound_ms = to_milliseconds(plan.volume_duration()),
+          .wall = age_percentiles(wall_ages(wall, plan)),
+          .wall_volumes_per_s = wall_rate(wall, plan),
+          .wall_renderer_ms = 1e3 * measured_times(wall, plan, card_).renderer_s(frames),
+          .predicted = predict(virtual_setting(plan))};
 }
 
 /// The stall begins with the first stick of the volume in the middle.
@@ -279,6 +285,11 @@ StallRecovery Study::recover(double stall_ms) {
           .predicted_worst_ms = predicted.worst_ms};
 }
 
+void Study::add_curves(const KnownTimes& known) {
+  const auto curves = crossover_curves(known, scene_.plan());
+  result_.crossovers.insert(result_.crossovers.end(), curves.begin(), curves.end());
+}
+
 LatencyStudy Study::run() {
   const auto all = variants();
   const std::vector<Rounds> walls = stream(all);
@@ -301,10 +312,12 @@ LatencyStudy Study::run() {
     result_.stalls.push_back(recover(stall_ms));
     parts_.finish_one();
   }
-  result_.crossovers =
-      crossover_curves("this machine", times_[0], frames_[0], times_[1], frames_[1], plan);
-  const auto paper = crossover_curves("paper", paper_times(), 37, paper_times(), 27, plan);
-  result_.crossovers.insert(result_.crossovers.end(), paper.begin(), paper.end());
+  add_curves({"this machine", times_[0], frames_[0], times_[1], frames_[1]});
+  add_curves(paper_times());
+  for (const KnownTimes& known : known_) {
+    add_curves(known);
+    result_.what_ifs.push_back(what_if(known));
+  }
   result_.line_rates = first_losses(virtual_setting(plan));
   result_.scene_line_rate_per_s = 1 / plan.stick_period_s();
   parts_.finish_one();
@@ -312,37 +325,29 @@ LatencyStudy Study::run() {
 }
 
 /// Where frames * lines * period = renderer_s(frames), which grows linearly.
-double least_frames(const ServiceTimes& one,
-                    int frames_of_one,
-                    const ServiceTimes& other,
-                    int frames_of_other,
-                    double frame_s) {
-  const double at_one = one.renderer_s(frames_of_one);
-  const double slope =
-      (other.renderer_s(frames_of_other) - at_one) / (frames_of_other - frames_of_one);
-  const double fixed_s = at_one - slope * frames_of_one;
+double least_frames(const KnownTimes& known, double frame_s) {
+  const double at_one = known.one.renderer_s(known.frames_of_one);
+  const double slope = (known.other.renderer_s(known.frames_of_other) - at_one) /
+                       (known.frames_of_other - known.frames_of_one);
+  const double fixed_s = at_one - slope * known.frames_of_one;
   if (slope >= frame_s) return kNever;
   return std::max(fixed_s / (frame_s - slope), 0.0);
 }
 
 }  // namespace
 
-std::vector<CrossoverCurve> crossover_curves(const std::string& name,
-                                             const ServiceTimes& one,
-                                             int frames_of_one,
-                                             const ServiceTimes& other,
-                                             int frames_of_other,
+std::vector<CrossoverCurve> crossover_curves(const KnownTimes& known,
                                              const hw::AcquisitionPlan& plan) {
   std::vector<CrossoverCurve> curves;
   for (const int lines : {32, 64, 128}) {
-    CrossoverCurve curve{.times = name, .lines = lines, .depth_mm = {}, .frames = {}};
+    CrossoverCurve curve{.times = known.name, .lines = lines, .depth_mm = {}, .frames = {}};
     for (int tens = 4; tens <= 24; ++tens) {
       const double depth_mm = 10.0 * tens;
       hw::AcquisitionOptions of = plan.acquisition();
       of.depth_m = depth_mm * kMillimetre;
       const double frame_s = lines * hw::AcquisitionPlan(plan.probe(), of).stick_period_s();
       curve.depth_mm.push_back(depth_mm);
-      curve.frames.push_back(least_frames(one, frames_of_one, other, frames_of_other, frame_s));
+      curve.frames.push_back(least_frames(known, frame_s));
     }
     curves.push_back(std::move(curve));
   }
@@ -352,10 +357,11 @@ std::vector<CrossoverCurve> crossover_curves(const std::string& name,
 LatencyStudy study_latency(const Scene& scene,
                            int volumes,
                            StreamPolicy policy,
+                           const std::vector<KnownTimes>& known,
                            render::GlContext& context,
                            PhantomCache& cache,
                            const PartDone& done) {
-  return Study(scene, volumes, policy, context, cache, done).run();
+  return Study(scene, volumes, policy, known, context, cache, done).run();
 }
 
 }  // namespace wobblebench::bench

@@ -3,9 +3,14 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <exception>
+#include <nlohmann/json.hpp>
 #include <numeric>
+#include <stdexcept>
 
 #include "base/duration.h"
+#include "base/file.h"
+#include "base/user_error.h"
 #include "bench/studies/latency/virtual_stream.h"
 #include "hw/wire/packet.h"
 #include "sim/card/card_model.h"
@@ -168,20 +173,17 @@ ServiceTimes measured_times(const std::vector<StreamResult>& rounds,
   return times;
 }
 
-ServiceTimes paper_times() {
+KnownTimes paper_times() {
   constexpr double kFrame_s = (54.6e-3 - 53.7e-3) / (37 - 27);
-  return {.wake = {},
-          .frame = {{kFrame_s}},
-          .last_frame = {{kFrame_s}},
-          .picture = {{54.6e-3 - 37 * kFrame_s}},
-          .written = {}};
+  const ServiceTimes times{.wake = {},
+                           .frame = {{kFrame_s}},
+                           .last_frame = {{kFrame_s}},
+                           .picture = {{54.6e-3 - 37 * kFrame_s}},
+                           .written = {}};
+  return {"paper", times, 37, times, 27};
 }
 
-ServiceTimes times_at(const ServiceTimes& one,
-                      int frames_of_one,
-                      const ServiceTimes& other,
-                      int frames_of_other,
-                      int frames) {
+ServiceTimes KnownTimes::at(int frames) const {
   const double share =
       static_cast<double>(frames - frames_of_one) / (frames_of_other - frames_of_one);
   // Pass 1 of a volume but for its last frame, in all.
@@ -195,6 +197,58 @@ ServiceTimes times_at(const ServiceTimes& one,
           .last_frame = linear(one.last_frame, other.last_frame),
           .picture = linear(one.picture, other.picture),
           .written = one.written};
+}
+
+namespace {
+
+using Json = nlohmann::json;
+
+/// Milliseconds in the report, seconds in the pool. Throws std::invalid_argument.
+TimePool pool_of(const Json& stage, const char* key) {
+  TimePool pool;
+  for (const Json& ms : stage.at(key)) {
+    const double value = ms.get<double>();
+    if (!std::isfinite(value) || value < 0) {
+      throw std::invalid_argument(std::string(key) + " holds what is no time");
+    }
+    pool.values.push_back(1e-3 * value);
+  }
+  if (pool.values.empty()) throw std::invalid_argument(std::string(key) + " is empty");
+  return pool;
+}
+
+/// Both numbers of frames of one setting, the greater one first.
+KnownTimes known_of(const Json& stages, const std::string& settings, const std::string& renderer) {
+  KnownTimes known{.name = renderer + ", " + settings, .one = {}, .other = {}};
+  for (const Json& stage : stages) {
+    if (stage.at("settings") != settings) continue;
+    const bool is_one = known.frames_of_one == 0;
+    (is_one ? known.frames_of_one : known.frames_of_other) = stage.at("frames");
+    (is_one ? known.one : known.other) = {.wake = {},
+                                          .frame = pool_of(stage, "frame_ms"),
+                                          .last_frame = pool_of(stage, "last_frame_ms"),
+                                          .picture = pool_of(stage, "picture_ms"),
+                                          .written = {}};
+  }
+  if (known.frames_of_other < 2 || known.frames_of_one <= known.frames_of_other) {
+    throw std::invalid_argument("has not two numbers of frames of the settings " + settings);
+  }
+  return known;
+}
+
+}  // namespace
+
+std::vector<KnownTimes> read_known_times(const std::filesystem::path& file) {
+  try {
+    const Json report = Json::parse(read_file(file));
+    const Json& stages = report.at("timing").at("stages");
+    std::string renderer = report.at("provenance").at("gl_renderer");
+    renderer = renderer.substr(0, renderer.find_first_of(",/"));
+    return {known_of(stages, "paper", renderer), known_of(stages, "default", renderer)};
+  } catch (const std::exception& error) {
+    throw UserError("--times = " + file.string() +
+                    ": must be report.json of `tables` or script/gpu: " + error.what());
+  }
 }
 
 }  // namespace wobblebench::bench

@@ -3,6 +3,8 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
+#include <string>
 #include <vector>
 
 #include "bench/pipeline/stream/stream.h"
@@ -56,17 +58,27 @@ ServiceTimes measured_times(const std::vector<StreamResult>& rounds,
                             const hw::AcquisitionPlan& plan,
                             const sim::CardOptions& card);
 
+/// Of one machine, by two numbers of frames a volume.
+struct KnownTimes {
+  std::string name;  ///< of the machine
+  ServiceTimes one;
+  int frames_of_one = 0;
+  ServiceTimes other;
+  int frames_of_other = 0;
+
+  /// Those of `one`, in their order, with means that depend on the number of frames linearly
+  /// between the two and beyond: of pass 1 for all frames but the last, of pass 1 for the last, and
+  /// of the picture.
+  ServiceTimes at(int frames) const;
+};
+
 /// The paper's: Table I, 53.7 ms of 27 frames and 54.6 ms of 37, on its GPU (docs/references.md
 /// [1]); neither sink nor wake-up is known, and both take no time.
-ServiceTimes paper_times();
+KnownTimes paper_times();
 
-/// Those of the first, in their order, with means that depend on the number of frames linearly
-/// between two measurements and beyond: of pass 1 for all frames but the last, of pass 1 for the
-/// last, and of the picture.
-ServiceTimes times_at(const ServiceTimes& one,
-                      int frames_of_one,
-                      const ServiceTimes& other,
-                      int frames_of_other,
-                      int frames);
+/// From report.json of `tables`: a machine by each of the settings there, "paper" and "default",
+/// named by its GL_RENDERER. Wake-up and sink are not known, and take no time. Throws UserError
+/// "--times = FILE: …".
+std::vector<KnownTimes> read_known_times(const std::filesystem::path& file);
 
 }  // namespace wobblebench::bench

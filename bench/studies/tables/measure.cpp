@@ -271,6 +271,7 @@ TableResults measure_tables(const TableVolumes& volumes,
     results.arrivals[variant] =
         measure_arrival(volume, rendered(variant, options), context, run.repeats_of(variant));
   }
+  results.stages = measure_stages(volumes, context, run);
   return results;
 }
 

@@ -10,6 +10,7 @@
 #include "base/part_done.h"
 #include "base/statistics.h"
 #include "bench/studies/tables/paper.h"
+#include "bench/studies/tables/stage_times.h"
 #include "bench/studies/tables/volumes.h"
 #include "hw/probe/polar_volume.h"
 #include "render/gl/context.h"
@@ -84,6 +85,7 @@ struct TableResults {
   std::map<PipelineVariant, Arrival> arrivals;  ///< plain and fast
   Floors floors;                                ///< floors of the reference row, plain and fast
   double frame_acquisition_ms = 0;              ///< reference row: volume time / frames
+  std::vector<StageTimes> stages;
 
   const Arrival& arrival(PipelineVariant variant) const { return arrivals.at(variant); }
   /// How many times faster a frame is taken in than acquired, by the median.

@@ -1,11 +1,19 @@
 #include "bench/studies/tables/tables_program.h"
 
 #include <CLI/CLI.hpp>
+#include <exception>
+#include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
+#include <stdexcept>
 #include <string>
 #include <utility>
+#include <vector>
 
+#include "base/file.h"
+#include "base/number_text.h"
+#include "base/user_error.h"
 #include "bench/command/common_options.h"
 #include "bench/command/run_in_folder.h"
 #include "bench/command/software_renderer.h"
@@ -13,7 +21,9 @@
 #include "bench/pipeline/acquisitions.h"
 #include "bench/pipeline/motor_warning.h"
 #include "bench/pipeline/outside_link.h"
+#include "bench/studies/tables/compared_pictures.h"
 #include "bench/studies/tables/measure.h"
+#include "bench/studies/tables/stage_times.h"
 #include "bench/studies/tables/tables_report.h"
 #include "bench/studies/tables/volumes.h"
 
@@ -26,7 +36,12 @@ struct Arguments {
   std::string gl = "osmesa";
   OutputArguments output;
   TableArguments tables;
+  bool gpu = false;
+  bool pictures = false;
+  std::filesystem::path against;
 };
+
+constexpr const char* kPicturesName = "pictures.npy";
 
 void add_options(CLI::App& app, Arguments& arguments) {
   app.add_option("--board",
@@ -34,8 +49,78 @@ void add_options(CLI::App& app, Arguments& arguments) {
                  "Where sticks come from: file=RECORDING or xdma=DEVICE, then ,key=value …")
       ->required();
   add_gl_option(app, arguments.gl);
+  add_flag(app, "--gpu", arguments.gpu, "Refuse a context that renders on the CPU");
   add_table_options(app, arguments.tables);
+  add_flag(app,
+           "--pictures",
+           arguments.pictures,
+           "No tables: pictures of this context, for --against of another");
+  add_path(app,
+           "--against",
+           arguments.against,
+           "Folder of a run with --pictures: compare this context's pictures with them");
+  app.get_option("--against")->type_name("FOLDER")->excludes("--pictures");
   add_output_options(app, arguments.output);
+}
+
+/// Pictures of another context, and what its report says of them.
+struct OtherPictures {
+  std::vector<ComparedPicture> pictures;
+  std::string renderer;
+  std::string commit;
+  std::uint32_t samples_crc = 0;
+};
+
+/// Throws UserError.
+OtherPictures read_other(const std::filesystem::path& folder) {
+  const std::string option = "--against = " + folder.string() + ": ";
+  OtherPictures other;
+  try {
+    other.pictures = read_compared(read_file(folder / kPicturesName));
+    const auto report = nlohmann::json::parse(read_file(folder / "report.json"));
+    other.renderer = report.at("provenance").at("gl_renderer");
+    other.commit = report.at("provenance").at("commit");
+    other.samples_crc = report.at("samples_crc");
+  } catch (const std::invalid_argument& error) {
+    throw UserError(option + kPicturesName + " " + error.what());
+  } catch (const std::exception& error) {
+    throw UserError(option + "must be the folder of a run with --pictures: " + error.what());
+  }
+  return other;
+}
+
+const hw::PolarVolume& reference_volume(const TableVolumes& volumes) {
+  return volumes.by_frames.at(reference_row().frames);
+}
+
+/// Refuses pictures of another recording or size, before anything is measured.
+void check_other(const OtherPictures& other,
+                 const Arguments& arguments,
+                 const TableVolumes& volumes) {
+  const std::string option = "--against = " + arguments.against.string() + ": ";
+  if (other.samples_crc != samples_crc(reference_volume(volumes))) {
+    throw UserError(option + "shows another volume than --board " + arguments.board);
+  }
+  const int side = paper_settings(arguments.tables.run()).ray_casting.image_size;
+  const auto& theirs = other.pictures.front().cast_m;
+  if (theirs.width == side && theirs.height == side) return;
+  throw UserError(option + "has pictures of " + std::to_string(theirs.width) + " x " +
+                  std::to_string(theirs.height) + " pixels; must be " + std::to_string(side) +
+                  " x " + std::to_string(side) + ", as --full and --divisor say here");
+}
+
+PicturesAgainst compare_with(const OtherPictures& other,
+                             const Arguments& arguments,
+                             const TableVolumes& volumes,
+                             render::GlContext& context) {
+  const auto here = render_compared(reference_volume(volumes), context, arguments.tables.run());
+  return {other.renderer + ", commit " + other.commit, compare_pictures(here, other.pictures)};
+}
+
+void refuse_cpu(const render::GlContext& context, const Arguments& arguments) {
+  const std::string renderer = context.renderer_string();
+  if (!arguments.gpu || !is_software(renderer)) return;
+  throw std::runtime_error("--gpu: --gl " + arguments.gl + " renders on the CPU: " + renderer);
 }
 
 nlohmann::ordered_json report_of(const Provenance& provenance,
@@ -52,26 +137,69 @@ nlohmann::ordered_json report_of(const Provenance& provenance,
   return report;
 }
 
+/// Exit code and line of pictures that the rounding of filters does not explain.
+void judge(const PicturesAgainst& against, CommandResult& result) {
+  if (against.all_explained()) return;
+  result.exit_code = kFailed;
+  result.failure = "--against: more than " + fixed(100 * kMostUnexplained, 1) +
+                   " % of a picture's pixels are not explained by the rounding of filters\n";
+}
+
+CommandResult measure(const Arguments& arguments,
+                      const TableVolumes& volumes,
+                      const std::optional<OtherPictures>& other,
+                      render::GlContext& context,
+                      Progress& progress) {
+  const TableRun run = arguments.tables.run();
+  const TableResults results = progress.step("tables", [&](const PartDone& done) {
+    return measure_tables(volumes, {}, context, run, done);
+  });
+  const Provenance provenance = provenance_of(context, volumes);
+  auto report = report_of(provenance, volumes, results, run);
+  CommandResult result{.document = tables_document(results, run, volumes.note, provenance)};
+  if (other) {
+    const PicturesAgainst against = compare_with(*other, arguments, volumes, context);
+    report["agreement"] = agreement_json(against);
+    add_agreement(against, result.document);
+    judge(against, result);
+  }
+  result.report = report_text(report);
+  return result;
+}
+
+CommandResult make_pictures(const Arguments& arguments,
+                            const TableVolumes& volumes,
+                            render::GlContext& context,
+                            OutputFolder& out) {
+  const auto pictures = render_compared(reference_volume(volumes), context, arguments.tables.run());
+  out.write_text(kPicturesName, compared_bytes(pictures));
+  const Provenance provenance = provenance_of(context, volumes);
+  const nlohmann::ordered_json report = {{"schema", kReportSchema},
+                                         {"command", "pictures"},
+                                         {"provenance", to_json(provenance)},
+                                         {"samples_crc", samples_crc(reference_volume(volumes))}};
+  return {.report = report_text(report),
+          .summary = "pictures    " + (out.directory() / kPicturesName).string() + "\n"};
+}
+
 int measure_recording(const Arguments& arguments) {
   const BoardArguments board = parse_outside_board(arguments.board);
+  std::optional<OtherPictures> other;
+  if (!arguments.against.empty()) other = read_other(arguments.against);
   auto link = open_outside_link(board);
   const auto context = render::make_context(arguments.gl);
-  const TableRun run = arguments.tables.run();
-  const auto measure = [&](OutputFolder&, Progress& progress) {
+  refuse_cpu(*context, arguments);
+  const auto work = [&](OutputFolder& out, Progress& progress) {
     progress.warn(acquisitions_warning(board));
     warn_of_software(*context, arguments.gl, progress);
     const TableVolumes volumes =
         progress.step("volume", [&] { return recorded_volumes(std::move(link), board.text); });
-    warn_of_motor(volumes.motor, volumes.by_frames.at(reference_row().frames).plan(), progress);
-    const TableResults results = progress.step("tables", [&](const PartDone& done) {
-      return measure_tables(volumes, {}, *context, run, done);
-    });
-    const Provenance provenance = provenance_of(*context, volumes);
-    Document document = tables_document(results, run, volumes.note, provenance);
-    return CommandResult{.report = report_text(report_of(provenance, volumes, results, run)),
-                         .document = std::move(document)};
+    warn_of_motor(volumes.motor, reference_volume(volumes).plan(), progress);
+    if (other) check_other(*other, arguments, volumes);
+    if (arguments.pictures) return make_pictures(arguments, volumes, *context, out);
+    return measure(arguments, volumes, other, *context, progress);
   };
-  return run_in_folder(arguments.output, {{"volume", 1}, {"tables", 60}}, measure);
+  return run_in_folder(arguments.output, {{"volume", 1}, {"tables", 60}}, work);
 }
 
 }  // namespace

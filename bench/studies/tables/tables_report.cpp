@@ -1,5 +1,6 @@
 #include "bench/studies/tables/tables_report.h"
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 
 namespace wobblebench::bench {
@@ -63,6 +64,19 @@ Json arrival_json(const TableResults& results) {
   return json;
 }
 
+Json stages_json(const std::vector<StageTimes>& stages) {
+  Json json = Json::array();
+  for (const StageTimes& times : stages) {
+    json.push_back({{"settings", times.settings},
+                    {"frames", times.frames},
+                    {"frame_ms", times.frame_ms},
+                    {"last_frame_ms", times.last_frame_ms},
+                    {"picture_ms", times.picture_ms},
+                    {"new_view_ms", times.new_view_ms}});
+  }
+  return json;
+}
+
 Json floors_json(const TableResults& results) {
   Json json = {{"fetches_per_us", Json::object()}};
   for (const auto& [kind, rate] : results.floors.rates_per_us) {
@@ -92,6 +106,31 @@ Provenance provenance_of(const render::GlContext& context, const TableVolumes& v
   return provenance;
 }
 
+bool PicturesAgainst::all_explained() const {
+  return std::ranges::all_of(agreements, [](const PictureAgreement& agreement) {
+    return agreement.unexplained_share <= kMostUnexplained;
+  });
+}
+
+Json agreement_json(const PicturesAgainst& against) {
+  Json json = {{"other", against.other},
+               {"filter_error", kFilterError},
+               {"most_unexplained_share", kMostUnexplained},
+               {"pictures", Json::array()}};
+  for (const PictureAgreement& of : against.agreements) {
+    json["pictures"].push_back({{"settings", of.settings},
+                                {"pixels", of.pixels},
+                                {"z_rms_mm", of.z_rms_mm},
+                                {"z_p999_mm", of.z_p999_mm},
+                                {"z_largest_mm", of.z_largest_mm},
+                                {"found_in_one_share", of.found_in_one_share},
+                                {"unexplained_share", of.unexplained_share},
+                                {"light_rms", of.light_rms},
+                                {"light_largest", of.light_largest}});
+  }
+  return json;
+}
+
 void add_tables(Json& report,
                 const TableResults& results,
                 const TableRun& run,
@@ -105,6 +144,7 @@ void add_tables(Json& report,
   report["tables"] = Json::array();
   for (const MeasuredTable& table : results.tables) report["tables"].push_back(table_json(table));
   report["arrival"] = arrival_json(results);
+  report["stages"] = stages_json(results.stages);
   report["floor"] = floors_json(results);
 }
 

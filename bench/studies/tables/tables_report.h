@@ -7,6 +7,7 @@
 
 #include "bench/output/document/document.h"
 #include "bench/output/report_parts.h"
+#include "bench/studies/tables/compared_pictures.h"
 #include "bench/studies/tables/measure.h"
 #include "bench/studies/tables/volumes.h"
 #include "render/gl/context.h"
@@ -24,6 +25,18 @@ Document tables_document(const TableResults& results,
                          const TableRun& run,
                          const std::string& note,
                          const Provenance& provenance);
+
+/// This context's pictures against another's.
+struct PicturesAgainst {
+  std::string other;  ///< GL_RENDERER of the other context, and its commit
+  std::vector<PictureAgreement> agreements;
+
+  bool all_explained() const;
+};
+
+/// What people read of it.
+void add_agreement(const PicturesAgainst& against, Document& document);
+nlohmann::ordered_json agreement_json(const PicturesAgainst& against);
 
 /// A panel for each table: time relative to the reference row, the paper's, plain and fast.
 std::vector<Figure> tables_figures(const TableResults& results, const TableRun& run);

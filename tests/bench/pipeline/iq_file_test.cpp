@@ -7,7 +7,7 @@
 #include <stdexcept>
 #include <vector>
 
-#include "bench/exchange/files/numpy_arrays.h"
+#include "bench/exchange/files/npy.h"
 #include "tests/support/bytes_of.h"
 #include "tests/support/file_limit.h"
 #include "tests/support/folder_test.h"

@@ -1,6 +1,6 @@
 // Headers of arrays, byte for byte those that NumPy 1.24 writes
 // (numpy.lib.format.write_array_header_1_0).
-#include "bench/exchange/files/numpy_arrays.h"
+#include "bench/exchange/files/npy.h"
 
 #include <gtest/gtest.h>
 

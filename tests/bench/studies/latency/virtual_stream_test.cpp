@@ -153,8 +153,7 @@ TEST(CardTimes, DmaAndInterruptOfEachStickFollowFromRateBufferAndLatency) {
 
 TEST(Latency, ThePapersRendererIsSlowerThanSoundOnlyBelowFourFrames) {
   // 53.7 ms of 27 frames, 54.6 ms of 37: 51.27 ms + 0.09 ms a frame; sound 64 x 207.8 us a frame.
-  const auto curves =
-      crossover_curves("paper", paper_times(), 37, paper_times(), 27, hw::AcquisitionPlan({}, {}));
+  const auto curves = crossover_curves(paper_times(), hw::AcquisitionPlan({}, {}));
   const auto& of_64 = curves.at(1);
   ASSERT_EQ(of_64.lines, 64);
   const auto at = std::ranges::find(of_64.depth_mm, 160.0) - of_64.depth_mm.begin();
@@ -172,8 +171,9 @@ TEST(Latency, Pass1DependsOnTheNumberOfFramesLinearly) {
   const ServiceTimes one{.frame = {{2e-3}}, .last_frame = {{3e-3}}, .picture = {{0.1}}};
   const ServiceTimes half{.frame = {{3e-3}}, .last_frame = {{3e-3}}, .picture = {{0.1}}};
   // 36 x 2 = 72 ms of 37 frames, 18 x 3 = 54 ms of 19: 1 ms a frame, so 63 ms of 28.
-  EXPECT_NEAR(27 * times_at(one, 37, half, 19, 28).frame.mean(), 63e-3, 1e-9);
-  EXPECT_NEAR(times_at(one, 37, half, 19, 37).frame.mean(), 2e-3, 1e-12);
+  const KnownTimes known{"made up", one, 37, half, 19};
+  EXPECT_NEAR(27 * known.at(28).frame.mean(), 63e-3, 1e-9);
+  EXPECT_NEAR(known.at(37).frame.mean(), 2e-3, 1e-12);
 }
 
 }  // namespace

@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <functional>
+#include <iterator>
 #include <nlohmann/json.hpp>
 
 #include "base/units.h"
@@ -92,18 +94,24 @@ TEST(TablesProgram, WritesWhatItMeasuredOnARecording) {
   EXPECT_EQ(report.at("timing").at("tables").size(), 4u);
 }
 
-TEST(TablesProgram, SaysByHowMuchMotorAnglesLeaveThePlan) {
-  const ScratchFolder folder;
+/// A recording whose sticks are changed.
+std::string recording_with(const std::function<void(hw::Stick&)>& change) {
   const hw::AcquisitionPlan plan = testing::recorded_plan();
   hw::Bytes bytes;
   encode(hw::configuration_of(plan, 0), bytes);
   for (std::uint64_t i = 0; i < static_cast<std::uint64_t>(plan.sticks_per_volume()); ++i) {
     hw::Stick stick = hw::test_stick(plan, i);
-    stick.motor_angle_rad += 2 * kDegree;
+    change(stick);
     encode(stick, bytes);
   }
   encode(hw::volume_end_of(plan, 0), bytes);
-  folder.write("a.wbst", {reinterpret_cast<const char*>(bytes.data()), bytes.size()});
+  return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
+}
+
+TEST(TablesProgram, SaysByHowMuchMotorAnglesLeaveThePlan) {
+  const ScratchFolder folder;
+  folder.write("a.wbst",
+               recording_with([](hw::Stick& stick) { stick.motor_angle_rad += 2 * kDegree; }));
   const ProcessResult result =
       tables({"--board", "file=a.wbst", "--divisor", "8", "--repeats", "1", "--json"}, folder);
   ASSERT_EQ(result.exit_code, 0) << result.err;
@@ -117,6 +125,80 @@ TEST(TablesProgram, SaysByHowMuchMotorAnglesLeaveThePlan) {
 TEST(TablesProgram, HelpIsNoError) {
   const ScratchFolder folder;
   EXPECT_EQ(tables({"--help"}, folder).exit_code, 0);
+}
+
+constexpr const char* kOneSize[] = {"--divisor", "8", "--repeats", "1"};
+
+Words of_small_size(Words arguments) {
+  arguments.insert(arguments.end(), std::begin(kOneSize), std::end(kOneSize));
+  return arguments;
+}
+
+TEST(TablesProgram, ComparesItsPictureWithAnotherContexts) {
+  const ScratchFolder folder;
+  // Tissue from the middle of each stick on.
+  folder.write("a.wbst", recording_with([](hw::Stick& stick) {
+                 const auto middle = stick.samples.begin() + std::ssize(stick.samples) / 2;
+                 std::fill(stick.samples.begin(), middle, 0.1F);
+                 std::fill(middle, stick.samples.end(), 0.8F);
+               }));
+  const Words of_a = {"--board", "file=a.wbst"};
+  Words pictures = of_small_size(of_a);
+  pictures.insert(pictures.end(), {"--pictures", "--out", "other"});
+  ASSERT_EQ(tables(pictures, folder).exit_code, 0);
+  Words against = of_small_size(of_a);
+  against.insert(against.end(), {"--against", "other", "--json"});
+  const ProcessResult result = tables(against, folder);
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  for (const auto& picture : nlohmann::json::parse(result.out).at("agreement").at("pictures")) {
+    EXPECT_GT(picture.at("pixels"), 1000);
+    EXPECT_EQ(picture.at("unexplained_share"), 0);
+    EXPECT_EQ(picture.at("light_largest"), 0);
+  }
+}
+
+TEST(TablesProgram, RefusesPicturesOfAnotherVolumeOrSize) {
+  const ScratchFolder folder;
+  folder.write("a.wbst", testing::recording_of(testing::recorded_plan()));
+  folder.write("b.wbst", testing::recording_of(testing::recorded_plan(41)));
+  Words pictures = of_small_size({"--board", "file=a.wbst", "--pictures", "--out", "other"});
+  ASSERT_EQ(tables(pictures, folder).exit_code, 0);
+  const auto expect_refused = [&](const Words& arguments, const std::string& why) {
+    const ProcessResult result = tables(arguments, folder);
+    EXPECT_EQ(result.exit_code, 2) << result.err;
+    EXPECT_NE(result.err.find(why), std::string::npos) << result.err;
+  };
+  expect_refused(of_small_size({"--board", "file=b.wbst", "--against", "other"}),
+                 "--against = other: shows another volume than --board file=b.wbst");
+  expect_refused({"--board", "file=a.wbst", "--divisor", "4", "--against", "other"},
+                 "--against = other: has pictures of 64 x 64 pixels; must be 128 x 128");
+  expect_refused({"--board", "file=a.wbst", "--against", "a.wbst"},
+                 "--against = a.wbst: must be the folder of a run with --pictures");
+  folder.write("other/pictures.npy", "no array");
+  expect_refused(of_small_size({"--board", "file=a.wbst", "--against", "other"}),
+                 "--against = other: pictures.npy is no readable NumPy file");
+}
+
+TEST(TablesProgram, TheScriptForGpusRefusesACpu) {
+  const ScratchFolder folder;
+  const auto backends = render::context_backends();
+  if (std::ranges::find(backends, "egl") == backends.end()) GTEST_SKIP() << "no EGL here";
+  if (render::make_context("egl")->renderer_string().find("llvmpipe") == std::string::npos) {
+    GTEST_SKIP() << "EGL is a GPU's here";
+  }
+  namespace fs = std::filesystem;
+  fs::create_directories(folder.path() / "pack/scan");
+  fs::create_directories(folder.path() / "pack/egl");
+  fs::copy(WOBBLEBENCH_SOURCE_DIR "/script/gpu", folder.path() / "pack/gpu");
+  fs::create_symlink(WOBBLEBENCH_TABLES_PROGRAM, folder.path() / "pack/wobblebench-tables");
+  folder.write("pack/scan/recording.wbst", testing::recording_of(testing::recorded_plan()));
+  const ProcessResult result =
+      run_process("/bin/bash", of_small_size({"pack/gpu", "--gl", "egl"}), folder.path());
+  EXPECT_EQ(result.exit_code, 1);
+  EXPECT_EQ(result.err.find("wobblebench-tables: --gpu: --gl egl renders on the CPU: llvmpipe"), 0u)
+      << result.err;
+  EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1) << result.err;
+  EXPECT_FALSE(fs::exists(folder.path() / "out"));
 }
 
 }  // namespace

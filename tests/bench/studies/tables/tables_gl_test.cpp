@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "tests/bench/studies/tables/recording.h"
 
 namespace wobblebench::bench {
@@ -65,6 +67,21 @@ void expect_arrivals_that_add_up(const TableResults& results) {
   }
 }
 
+void expect_stages_of_two_settings_and_two_numbers_of_frames(const TableResults& results) {
+  ASSERT_EQ(results.stages.size(), 4u);
+  for (const char* settings : {"paper", "default"}) {
+    EXPECT_EQ(std::ranges::count(results.stages, settings, &StageTimes::settings), 2) << settings;
+  }
+  for (const StageTimes& times : results.stages) {
+    EXPECT_TRUE(times.frames == 37 || times.frames == 27);
+    EXPECT_EQ(times.frame_ms.size(), 2 * static_cast<std::size_t>(times.frames - 1));
+    for (const auto* values : {&times.last_frame_ms, &times.picture_ms, &times.new_view_ms}) {
+      EXPECT_EQ(values->size(), 2u);
+      EXPECT_GT(*std::ranges::min_element(*values), 0);
+    }
+  }
+}
+
 // One test: each is a process of its own, and most of the time goes into compiling shaders.
 TEST(Tables, AreMeasuredInEveryVariantTheyName) {
   const auto context = render::make_context();
@@ -74,6 +91,7 @@ TEST(Tables, AreMeasuredInEveryVariantTheyName) {
   expect_a_shared_setting_measured_once(results);
   expect_kernel_spaces_where_the_kernel_varies(results);
   expect_arrivals_that_add_up(results);
+  expect_stages_of_two_settings_and_two_numbers_of_frames(results);
   EXPECT_NEAR(
       results.frame_acquisition_ms, 8 * testing::recorded_plan().stick_period_s() * 1e3, 1e-6);
 }

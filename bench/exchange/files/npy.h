@@ -1,11 +1,10 @@
-// Arrays of NumPy, .npy and .npz, as bytes of a file.
+// Arrays of NumPy, .npy, as bytes of a file.
 #pragma once
 
 #include <cstdint>
 #include <span>
 #include <string>
 #include <string_view>
-#include <utility>
 #include <vector>
 
 namespace wobblebench::bench {
@@ -21,10 +20,6 @@ struct NumpyArray {
 /// Numbers of any real type and byte order, in C or Fortran order. Throws std::invalid_argument
 /// with one line for what is no whole .npy file of such numbers.
 NumpyArray read_npy(std::string_view bytes);
-
-/// The arrays of an .npz file by their names, stored or deflated, in the file's order. Throws as
-/// read_npy().
-std::vector<std::pair<std::string, NumpyArray>> read_npz(std::string_view bytes);
 
 /// The header of an array in C order, in this machine's byte order: NumPy format version 1.0
 /// (numpy.lib.format). Data follow at a multiple of 64 bytes. `type`: NumPy's name without the byte
