@@ -31,7 +31,8 @@ std::string row(std::uint64_t identity, double weeks, std::size_t columns) {
   std::string text = std::to_string(identity) + "," + std::to_string(weeks);
   const auto measures = measured(identity, weeks);
   for (std::size_t i = 0; i < columns; ++i) {
-    text += measures.empty() ? "," : "," + std::to_string(measures[i].value);
+    text += ',';
+    if (!measures.empty()) text += std::to_string(measures[i].value);
   }
   return text;
 }
