@@ -7,7 +7,7 @@
 #include "base/user_error.h"
 #include "bench/exchange/program/renderer_process.h"
 #include "bench/scene/toml_file.h"
-#include "bench/studies/dataset/population_plan.h"
+#include "bench/studies/plans/drawn_scenes.h"
 #include "bench/studies/validate/common/statistics.h"
 #include "sim/fidelity.h"
 
@@ -20,9 +20,6 @@ struct PlanOptions {
   std::uint64_t first_seed = 1;
   std::vector<std::string> rungs = {"field", "scatterers"};
   std::string reference;
-  std::string population;  ///< empty: the plan names its scenes
-  PopulationHalf half = PopulationHalf::judge;
-  int per_stratum = 10;
 };
 
 template <OptionsOf<PlanOptions> O, class Visitor>
@@ -31,9 +28,6 @@ void describe(O& o, Visitor& v) {
   v.seed("first_seed", o.first_seed);
   v.texts("rungs", o.rungs);
   v.text("reference", o.reference);
-  v.text("population", o.population);
-  v.choice("half", o.half, {{"train", PopulationHalf::train}, {"judge", PopulationHalf::judge}});
-  v.integer("per_stratum", o.per_stratum, 1, kMostSeeds);
 }
 
 std::vector<sim::Rung> read_rungs(const std::vector<std::string>& names,
@@ -74,41 +68,13 @@ void put_first(std::vector<NamedOptions>& settings,
   std::rotate(settings.begin(), found, found + 1);
 }
 
-/// Keys that do not act beside the others.
-void check_population_keys(const PlanOptions& options,
-                           const toml::table& root,
-                           const std::vector<std::string>& given,
-                           const std::string& source) {
-  const bool drawn = !options.population.empty();
-  const auto is_given = [&](const std::string& key) {
-    return std::ranges::find(given, "plan." + key) != given.end();
-  };
-  for (const char* key : {"seeds", "first_seed"}) {
-    if (drawn && is_given(key)) {
-      refuse_plan(source, key, "is drawn by the population, one a scene; leave it out");
-    }
-  }
-  if (drawn && root.contains("scenes")) {
-    refuse_plan(source, "scenes", "are drawn by the population; leave them out");
-  }
-  for (const char* key : {"half", "per_stratum"}) {
-    if (!drawn && is_given(key)) refuse_plan(source, key, "acts with population alone");
-  }
-}
-
-/// The scenes of the population's half in place of those of a plan.
-void draw_scenes(const PlanOptions& options,
+/// The scenes of a population in place of those of a plan.
+void draw_scenes(const DrawnOptions& options,
                  const std::filesystem::path& path,
                  AccuracyPlan& plan) {
-  const PopulationPlan population = load_population_plan(path.parent_path() / options.population);
-  const std::string seed_key = "simulation.seed=";
-  for (DrawnScene& drawn : scenes_of_half(population, options.half, options.per_stratum)) {
-    const std::string& stratum = population.strata[drawn.stratum].name;
-    plan.drawn.push_back({stratum, std::stoull(drawn.value("simulation.seed"))});
-    std::erase_if(drawn.settings,
-                  [&](const std::string& setting) { return setting.starts_with(seed_key); });
-    plan.scenes.push_back(
-        {stratum + "-" + std::to_string(drawn.index), population.file, std::move(drawn.settings)});
+  for (NamedDrawnScene& drawn : drawn_scenes(options, options.half, path)) {
+    plan.drawn.push_back({drawn.stratum, drawn.seed});
+    plan.scenes.push_back(std::move(drawn.scene));
   }
 }
 
@@ -151,18 +117,20 @@ AccuracyPlan load_accuracy_plan(const std::filesystem::path& path) {
   PlanOptions options;
   TomlReader reader(source, "plan", root);
   describe(options, reader);
+  DrawnOptions drawn;
+  describe(drawn, reader);
   std::vector<std::string> given, known{"scenes", "settings"};
   for (const auto& [key, node] : root) given.emplace_back(key.str());
   for (const std::string& key : reader.known_keys()) known.push_back(key);
   refuse_unknown_keys(given, known, source);
-  check_population_keys(options, root, reader.given_keys(), source);
+  check_drawn_keys(drawn, root, reader.given_keys(), {"seeds", "first_seed", "scenes"}, source);
   AccuracyPlan plan{
       source,
       seeds_from(options.first_seed, options.seeds),
       read_rungs(options.rungs, source),
-      options.population.empty() ? load_option_tables(path, "scenes") : std::vector<NamedOptions>(),
+      drawn.given() ? std::vector<NamedOptions>() : load_option_tables(path, "scenes"),
       load_option_tables(path, "settings")};
-  if (!options.population.empty()) draw_scenes(options, path, plan);
+  if (drawn.given()) draw_scenes(drawn, path, plan);
   put_first(plan.settings, options.reference, source);
   return plan;
 }

@@ -144,9 +144,15 @@ std::vector<ConditionalOption> conditional_options(const Arguments& arguments) {
 
 CommandResult measure_and_write(const Arguments& arguments,
                                 const Shard& shard,
-                                const TradeWork& work,
+                                TradeWork work,
                                 OutputFolder& out,
                                 Progress& progress) {
+  if (!work.plan.strata.empty()) {
+    PhantomCache cache = open_phantom_cache(arguments.cache.most_megabytes());
+    const auto left_out = progress.step(
+        "phantoms", [&](const PartDone& done) { return leave_out_refused(work, cache, done); });
+    for (const std::string& line : left_out) progress.warn(line);
+  }
   TradeJournal journal(out.directory(), work.hash());
   progress.warn(idle_settings(work));
   progress.warn(idle_options_text(*arguments.command, conditional_options(arguments)));

@@ -14,7 +14,7 @@
 #include "base/hash.h"
 #include "base/number_text.h"
 #include "bench/scene/toml_file.h"
-#include "bench/studies/accuracy/accuracy_plan.h"
+#include "bench/studies/plans/drawn_scenes.h"
 #include "bench/studies/validate/common/statistics.h"
 
 namespace wobblebench::bench {
@@ -178,6 +178,20 @@ void check_design(TradePlan& plan, bool points_given) {
   plan.points = static_cast<int>(points);
 }
 
+/// Of one half to measure on, of the other to judge on.
+void draw_scenes(const DrawnOptions& options, const std::filesystem::path& path, TradePlan& plan) {
+  const bool trains = options.half == PopulationHalf::train;
+  for (NamedDrawnScene& drawn : drawn_scenes(options, options.half, path)) {
+    plan.scenes.push_back(std::move(drawn.scene));
+    plan.strata.push_back(std::move(drawn.stratum));
+  }
+  const auto other = trains ? PopulationHalf::judge : PopulationHalf::train;
+  for (NamedDrawnScene& drawn : drawn_scenes(options, other, path)) {
+    plan.unseen.push_back(std::move(drawn.scene));
+    plan.unseen_strata.push_back(std::move(drawn.stratum));
+  }
+}
+
 /// `share` in [0, 1) of the axis: the level that lies there, or the value of a range.
 void add_value(const TradeAxis& axis, double share, TradePoint& point) {
   const auto count = static_cast<double>(axis.levels.size());
@@ -263,14 +277,21 @@ TradePlan load_trade_plan(const std::filesystem::path& path) {
   SeedOptions seeds;
   describe(seeds, reader);
   plan.seeds = seeds_from(seeds.first_seed, seeds.seeds);
+  DrawnOptions drawn{.half = PopulationHalf::train};
+  describe(drawn, reader);
   auto known = reader.known_keys();
   known.insert(known.end(), {"reference", "scenes", "unseen", "axes"});
   std::vector<std::string> given;
   for (const auto& [key, node] : root) given.emplace_back(key.str());
   refuse_unknown_keys(given, known, plan.source);
+  check_drawn_keys(drawn, root, reader.given_keys(), {"scenes", "unseen"}, plan.source);
   plan.reference = load_option_table(path, "reference");
-  plan.scenes = load_option_tables(path, "scenes");
-  if (root.contains("unseen")) plan.unseen = load_option_tables(path, "unseen");
+  if (drawn.given()) {
+    draw_scenes(drawn, path, plan);
+  } else {
+    plan.scenes = load_option_tables(path, "scenes");
+    if (root.contains("unseen")) plan.unseen = load_option_tables(path, "unseen");
+  }
   plan.axes = read_axes(root, plan.source);
   check_design(plan, points_given);
   return plan;

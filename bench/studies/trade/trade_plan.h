@@ -41,6 +41,9 @@ struct TradeAxis {
 ///   [scenes.face]                           # as in a plan of `accuracy`
 ///   [unseen.plane.phantom]                  # likewise; `tune` measures its choice on them
 ///   name = "plane"
+///   population = "population.toml"          # in place of scenes and unseen (DrawnOptions), half
+///                                           # "train" of it unless the plan says; unseen: the
+///                                           other
 ///   [axes]
 ///   "render.ray_casting.steps" = [128, 256, 512]
 ///   "render.ray_casting.iso_level" = { from = 0.5, to = 0.9 }
@@ -54,6 +57,8 @@ struct TradePlan {
   int repeats = 3;
   std::vector<NamedOptions> scenes;
   std::vector<NamedOptions> unseen;  ///< scenes on which `tune` judges what it found
+  /// Of each scene and of each unseen one, where a population draws them; else empty.
+  std::vector<std::string> strata, unseen_strata;
   NamedOptions reference;
   std::vector<TradeAxis> axes;
   /// The scene may have a seed of its own, and several volumes, of which the first is measured.

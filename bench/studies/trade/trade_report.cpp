@@ -215,6 +215,27 @@ void add_shares(const TradeResults& results,
 
 }  // namespace
 
+namespace {
+
+/// The scenes of each stratum, or each scene alone.
+std::vector<std::pair<std::string, std::vector<std::size_t>>> scenes_of_parts(
+    const TradePlan& plan) {
+  std::vector<std::pair<std::string, std::vector<std::size_t>>> parts;
+  for (std::size_t i = 0; i < plan.scenes.size(); ++i) {
+    const std::string& name = plan.strata.empty() ? plan.scenes[i].name : plan.strata[i];
+    const auto found =
+        std::ranges::find(parts, name, &std::pair<std::string, std::vector<std::size_t>>::first);
+    if (found == parts.end()) {
+      parts.push_back({name, {i}});
+    } else {
+      found->second.push_back(i);
+    }
+  }
+  return parts;
+}
+
+}  // namespace
+
 TradeResults trade_results(TradeWork work, TradeContent content) {
   TradeResults results{
       std::move(work), std::move(content.records), std::move(content.machines), {}, 0, {}};
@@ -222,8 +243,8 @@ TradeResults trade_results(TradeWork work, TradeContent content) {
   if (scenes.size() > 1) {
     results.parts.push_back(part_of(results, "all scenes", all_scenes(results.work.plan)));
   }
-  for (std::size_t i = 0; i < scenes.size(); ++i) {
-    results.parts.push_back(part_of(results, scenes[i].name, {i}));
+  for (const auto& [name, of_part] : scenes_of_parts(results.work.plan)) {
+    results.parts.push_back(part_of(results, name, of_part));
   }
   std::set<std::size_t> refused;
   for (const auto& [unit, record] : results.records) {

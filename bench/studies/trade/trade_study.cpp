@@ -159,6 +159,45 @@ void check_trade(const TradeWork& work) {
   }
 }
 
+namespace {
+
+/// Why a scene's phantom cannot be built; empty: it can.
+std::string refusal_of(const Scene& scene, PhantomCache& cache) {
+  try {
+    with_late_refusals([&] { static_cast<void>(cache.phantom(scene.phantom)); });
+    return {};
+  } catch (const UserError& error) {
+    return error.what();
+  }
+}
+
+}  // namespace
+
+std::vector<std::string> leave_out_refused(TradeWork& work,
+                                           PhantomCache& cache,
+                                           const PartDone& done) {
+  TradePlan& plan = work.plan;
+  std::vector<std::string> lines;
+  if (plan.strata.empty()) return lines;
+  std::vector<NamedOptions> scenes;
+  std::vector<std::string> strata;
+  PartCount parts(plan.scenes.size(), done);
+  for (std::size_t i = 0; i < plan.scenes.size(); ++i) {
+    const std::string refusal = refusal_of(work.reference(i), cache);
+    parts.finish_one();
+    if (!refusal.empty()) {
+      lines.push_back("scene " + plan.scenes[i].name + " is left out: " + refusal);
+      continue;
+    }
+    scenes.push_back(plan.scenes[i]);
+    strata.push_back(plan.strata[i]);
+  }
+  if (scenes.empty()) throw UserError(plan.source + ": no scene can be built: " + lines.front());
+  plan.scenes = std::move(scenes);
+  plan.strata = std::move(strata);
+  return lines;
+}
+
 std::string idle_settings(const TradeWork& work) {
   IdleInAll idle;
   for (const TradePoint& point : design_points(work.plan)) {
@@ -328,6 +367,8 @@ TradeRecord TradeMeasurement::measure(const TradeUnit& unit) {
     record.refused = error.what();
   } catch (const InvalidOption& error) {
     record.refused = error.what();
+  } catch (const phantoms::InvalidPhantom& error) {
+    record.refused = std::string("phantom.") + error.what();
   }
   files_.refuse_changed(work_.plan.source);
   return record;

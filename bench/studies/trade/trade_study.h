@@ -42,6 +42,13 @@ struct TradeWork {
 /// Reads each scene with its reference, and with each level of each axis alone. Throws UserError.
 void check_trade(const TradeWork& work);
 
+/// Leaves out the scenes of a population that cannot be built, as an identity whose measures no
+/// face has, and returns a line for each. Phantoms are made once, and kept by the cache. Throws
+/// UserError where none is left.
+std::vector<std::string> leave_out_refused(TradeWork& work,
+                                           PhantomCache& cache,
+                                           const PartDone& done = {});
+
 /// One line that names the settings of plan and scenes that are without effect in every point of
 /// the design; empty: there are none.
 std::string idle_settings(const TradeWork& work);

@@ -45,7 +45,18 @@ TuneOptions options_of(const Arguments& arguments) {
 
 TradeWork unseen_of(TradeWork work) {
   work.plan.scenes = work.plan.unseen;
+  work.plan.strata = work.plan.unseen_strata;
   return work;
+}
+
+/// Lines about scenes of the population that are left out, unseen ones too.
+std::vector<std::string> leave_out_all_refused(TradeWork& work, PhantomCache& cache) {
+  std::vector<std::string> lines = leave_out_refused(work, cache);
+  TradeWork unseen = unseen_of(work);
+  for (std::string& line : leave_out_refused(unseen, cache)) lines.push_back(std::move(line));
+  work.plan.unseen = std::move(unseen.plan.scenes);
+  work.plan.unseen_strata = std::move(unseen.plan.strata);
+  return lines;
 }
 
 /// Reads all scenes, so that nothing is refused after the search.
@@ -136,13 +147,15 @@ int study(const Arguments& arguments) {
   if (arguments.trade.empty()) throw UserError("--requests: needs --trade, about which it draws");
   if (!arguments.limits.empty()) throw UserError("--requests: draws its limits; leave --limit out");
   TradeWork work = work_of(arguments);
+  Machine machine(arguments);
+  const auto left_out = leave_out_all_refused(work, machine.cache);
   const TradeRecords known = known_records(arguments, work);
   TuneOptions options = arguments.tune;
   options.judging_seeds = options.fresh_seeds;
-  Machine machine(arguments);
   const Provenance provenance = machine.provenance(work);
   const auto measure_and_write = [&](OutputFolder& out, Progress& progress) -> CommandResult {
     warn_of_software(*machine.context, arguments.gl, progress);
+    for (const std::string& line : left_out) progress.warn(line);
     progress.warn(idle_settings(work));
     progress.warn(idle_options_text(*arguments.command, conditional_options(arguments)));
     Journal journal(out, work, provenance);
@@ -175,11 +188,13 @@ int tune(const Arguments& arguments) {
   if (arguments.requests > 0) return study(arguments);
   const TuneOptions options = options_of(arguments);
   TradeWork work = work_of(arguments);
-  const TradeRecords known = known_records(arguments, work);
   Machine machine(arguments);
+  const auto left_out = leave_out_all_refused(work, machine.cache);
+  const TradeRecords known = known_records(arguments, work);
   const Provenance provenance = machine.provenance(work);
   const auto search_and_write = [&](OutputFolder& out, Progress& progress) -> CommandResult {
     warn_of_software(*machine.context, arguments.gl, progress);
+    for (const std::string& line : left_out) progress.warn(line);
     progress.warn(idle_settings(work));
     progress.warn(idle_options_text(*arguments.command, conditional_options(arguments)));
     Journal journal(out, work, provenance);

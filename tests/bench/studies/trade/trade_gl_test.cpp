@@ -203,5 +203,30 @@ TEST_F(Trade, RefusesBadInputWithOneLineBeforeAnyWork) {
   }
 }
 
+TEST_F(Trade, LeavesOutScenesOfAPopulationThatCannotBeBuilt) {
+  // A mesh with a hole is refused when its level set is made.
+  folder_.write("open.obj",
+                "v -20 -20 -20\nv 20 -20 -20\nv 0 20 -20\nv 0 0 20\nf 1 3 2\nf 1 2 4\nf 2 3 4\n");
+  folder_.write(
+      "population.toml",
+      "scenes = 8\n[scene]\nacquisition = { frames_per_volume = 9, sticks_per_frame = 16 }\n"
+      "render.scan_conversion.slice_size = 64\nrender.ray_casting.image_size = 64\n"
+      "[strata.ball]\nshare = 0.5\n"
+      "phantom = { name = \"sphere\", voxel_mm = 2 }\n"
+      "[strata.none]\nshare = 0.5\n"
+      "phantom = { name = \"mesh\", file = \"open.obj\", voxel_mm = 2 }\n");
+  folder_.write("drawn.toml",
+                "population = \"population.toml\"\nper_stratum = 1\nseeds = 1\nrepeats = 1\n"
+                "[axes]\n\"render.ray_casting.steps\" = [32, 64]\n");
+  const ProcessResult result = bench({"trade", "drawn.toml", "--out", "out"}, folder_);
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_NE(result.err.find("scene none-"), std::string::npos) << result.err;
+  EXPECT_NE(result.err.find("is left out: phantom.file"), std::string::npos) << result.err;
+  const std::string csv = bytes_of(folder_.path() / "out/trade.csv");
+  EXPECT_EQ(std::ranges::count(csv, '\n'), 3) << csv;  // a head and two points
+  EXPECT_NE(csv.find("ball-"), std::string::npos);
+  EXPECT_EQ(csv.find("none-"), std::string::npos);
+}
+
 }  // namespace
 }  // namespace wobblebench::bench

@@ -46,6 +46,35 @@ TEST_F(TradePlanFile, NamesScenesReferenceSeedsAndAxes) {
   EXPECT_EQ(scene.render.ray_casting.steps, 64);
 }
 
+TEST_F(TradePlanFile, APopulationGivesOneHalfToMeasureOnAndTheOtherToJudgeOn) {
+  std::ofstream(folder_ / "population.toml")
+      << "scenes = 20\n[scene]\nphantom.name = \"sphere\"\n"
+         "phantom.radius_mm = { uniform = [20, 30] }\n"
+         "[strata.a]\nshare = 0.5\n[strata.b]\nshare = 0.5\n";
+  const std::string drawn = "population = \"population.toml\"\nper_stratum = 2\n";
+  const TradePlan plan = load(drawn + kAxes);
+  ASSERT_EQ(plan.scenes.size(), 4U);
+  ASSERT_EQ(plan.unseen.size(), 4U);
+  EXPECT_EQ(std::ranges::count(plan.strata, "a"), 2);
+  EXPECT_EQ(std::ranges::count(plan.unseen_strata, "b"), 2);
+  std::set<std::string> names;
+  for (const auto* half : {&plan.scenes, &plan.unseen}) {
+    for (const NamedOptions& scene : *half) {
+      names.insert(scene.name);
+      for (const std::string& setting : scene.settings) {
+        EXPECT_FALSE(setting.starts_with("simulation.seed")) << setting;
+      }
+    }
+  }
+  EXPECT_EQ(names.size(), 8U);
+  const TradePlan other = load(drawn + "half = \"judge\"\n" + kAxes);
+  EXPECT_EQ(other.scenes.at(0).name, plan.unseen.at(0).name);
+  EXPECT_NE(refusal(drawn + kBall + kAxes).find("scenes: is drawn by the population"),
+            std::string::npos);
+  EXPECT_NE(refusal("per_stratum = 2\n" + kBall + kAxes).find("acts with population alone"),
+            std::string::npos);
+}
+
 TEST_F(TradePlanFile, AGridHasEveryCombinationOnce) {
   const auto points = design_points(load(kBall + kAxes));
   std::set<std::vector<std::string>> different;
