@@ -22,6 +22,7 @@ Json depth_json(const DepthStatistics& depth) {
           {"median", mm(depth.median_m)},
           {"p95", mm(depth.p95_m)},
           {"max", mm(depth.max_m)},
+          {"outliers_percent", number(100 * depth.outlier_share)},
           {"n", depth.n}};
 }
 
@@ -98,6 +99,7 @@ Json error_json(const PictureMeasures& measures, const Sought& sought) {
   };
   const auto share = [&](int count) { return 100.0 * count / raw.pixels; };
   const std::string nothing = why_none(raw, sought);
+  const RegionError* grazing = measures.grazing();
   return {{"depth_mm", depth_json(raw.depth)},
           {"missed_percent", percent(in_view, raw.missed_percent())},
           {"missed_surface_percent", percent(in_view, raw.missed_surface_percent())},
@@ -109,6 +111,9 @@ Json error_json(const PictureMeasures& measures, const Sought& sought) {
           {"no_surface_because", nothing.empty() ? Json(nullptr) : Json(nothing)},
           {"outside_field_percent", share(raw.outside_field)},
           {"grazing_percent", share(raw.grazing)},
+          {"grazing_missed_percent",
+           percent(grazing != nullptr, grazing ? 100.0 * grazing->missed / grazing->surface : 0)},
+          {"grazing_p95_mm", grazing ? mm(grazing->depth.p95_m) : Json(nullptr)},
           {"shadowed_percent", share(raw.shadowed)},
           {"pixels", raw.pixels},
           {"filtered_depth_mm", depth_json(measures.filtered.depth)},

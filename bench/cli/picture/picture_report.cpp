@@ -59,7 +59,8 @@ std::string error_text(const Comparison& comparison, const ResolvedScene& scene)
                 " mm\n";
   }
   return corrected + "depth error bias " + in_mm(raw.depth.bias_m) + " mm, RMS " +
-         in_mm(raw.depth.rms_m) + " mm, P95 " + in_mm(raw.depth.p95_m) + " mm over " +
+         in_mm(raw.depth.rms_m) + " mm, P95 " + in_mm(raw.depth.p95_m) + " mm, " +
+         rounded(100 * raw.depth.outlier_share) + " % beyond 10 mm, over " +
          std::to_string(raw.depth.n) + " pixels\nsurface     missed " +
          percent(raw.missed_surface_percent()) + " % of its area (" +
          percent(raw.missed_percent()) + " % of the picture), false " +

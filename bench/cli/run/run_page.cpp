@@ -172,6 +172,7 @@ Table depth_table(const PictureMeasures& error) {
                           {"median_mm", "median", "mm", 3},
                           {"p95_mm", "P95", "mm", 3},
                           {"max_mm", "greatest", "mm"},
+                          {"outliers_percent", "beyond 10 mm", "%"},
                           {"normal_median_deg", "normals, median", "°", 1},
                           {"normal_p95_deg", "normals, P95", "°", 1},
                           {"pixels"}}};
@@ -183,6 +184,7 @@ Table depth_table(const PictureMeasures& error) {
                mm(depth.median_m),
                mm(depth.p95_m),
                mm(depth.max_m),
+               100 * depth.outlier_share,
                degrees(of.normal.median_rad),
                degrees(of.normal.p95_rad),
                depth.n});
@@ -206,6 +208,9 @@ Table surface_table(const PictureMeasures& error) {
     table.add({"false", raw.false_percent(), raw.false_surface_percent()});
   }
   table.add({"unseen: grazing", raw.grazing / all, none});
+  if (const RegionError* grazing = error.grazing()) {
+    table.add({"of it not found", grazing->missed / all, none});
+  }
   table.add({"unseen: shadowed", raw.shadowed / all, none});
   table.add({"unseen: outside the field", raw.outside_field / all, none});
   return table;

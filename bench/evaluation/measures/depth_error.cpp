@@ -122,13 +122,16 @@ std::vector<double> values_of(const Image<float>& map) {
 }  // namespace
 
 DepthStatistics depth_statistics(std::vector<double> errors_m) {
-  DepthStatistics result{kUnset, kUnset, kUnset, kUnset, kUnset, static_cast<int>(errors_m.size())};
+  DepthStatistics result{
+      kUnset, kUnset, kUnset, kUnset, kUnset, kUnset, static_cast<int>(errors_m.size())};
   if (errors_m.empty()) return result;
   result.bias_m = std::accumulate(errors_m.begin(), errors_m.end(), 0.0) / result.n;
   result.rms_m = root_mean_square(errors_m);
   result.median_m = quantile(errors_m, 0.5);
   for (double& e : errors_m) e = std::abs(e);
   result.max_m = *std::max_element(errors_m.begin(), errors_m.end());
+  const auto outliers = std::ranges::count_if(errors_m, [](double e) { return e > kOutlier_m; });
+  result.outlier_share = static_cast<double>(outliers) / result.n;
   result.p95_m = quantile(std::move(errors_m), 0.95);
   return result;
 }

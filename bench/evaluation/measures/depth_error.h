@@ -10,14 +10,18 @@
 
 namespace wobblebench::bench {
 
+/// An error of another surface, which no quantile below it shows.
+inline constexpr double kOutlier_m = 10e-3;
+
 /// Signed error: measured minus true depth, positive where the measured surface is too deep.
 struct DepthStatistics {
   double bias_m = 0;
   double rms_m = 0;
-  double median_m = 0;  ///< median of the signed error
-  double p95_m = 0;     ///< 95 % quantile of its magnitude
-  double max_m = 0;     ///< largest magnitude
-  int n = 0;            ///< pixels with both surfaces; the other fields are NaN where this is 0
+  double median_m = 0;       ///< median of the signed error
+  double p95_m = 0;          ///< 95 % quantile of its magnitude
+  double max_m = 0;          ///< largest magnitude
+  double outlier_share = 0;  ///< of the n pixels: magnitude above kOutlier_m
+  int n = 0;  ///< pixels with both surfaces; the other fields are NaN where this is 0
 };
 DepthStatistics depth_statistics(std::vector<double> errors_m);
 

@@ -75,6 +75,15 @@ struct Source {
     const bool formed = !region && picture.raw.surface_in_view();
     return formed ? picture.raw.false_surface_percent() : kUnset;
   }
+  /// Percentage of the pixels that sticks graze.
+  double grazing_missed_percent() const {
+    const RegionError* grazing = region ? nullptr : picture.grazing();
+    return grazing ? 100.0 * grazing->missed / grazing->surface : kUnset;
+  }
+  double grazing_p95_m() const {
+    const RegionError* grazing = region ? nullptr : picture.grazing();
+    return grazing ? grazing->depth.p95_m : kUnset;
+  }
   double distance(double SurfaceDistance::*member) const {
     return region || !picture.distance ? kUnset : *picture.distance.*member / kMillimetre;
   }
@@ -89,12 +98,15 @@ const std::vector<Column>& columns() {
       {"rms_mm", [](const Source& s) { return s.depth().rms_m / kMillimetre; }},
       {"p95_mm", [](const Source& s) { return s.depth().p95_m / kMillimetre; }},
       {"max_mm", [](const Source& s) { return s.depth().max_m / kMillimetre; }},
+      {"outliers_percent", [](const Source& s) { return 100 * s.depth().outlier_share; }},
       {"pixels", [](const Source& s) { return 1.0 * s.depth().n; }},
       {"surface_percent", [](const Source& s) { return s.share(s.surface()); }},
       {"missed_percent", [](const Source& s) { return s.missed_percent(); }},
       {"missed_surface_percent", [](const Source& s) { return s.missed_surface_percent(); }},
       {"false_percent", [](const Source& s) { return s.false_percent(); }},
       {"false_surface_percent", [](const Source& s) { return s.false_surface_percent(); }},
+      {"grazing_missed_percent", [](const Source& s) { return s.grazing_missed_percent(); }},
+      {"grazing_p95_mm", [](const Source& s) { return s.grazing_p95_m() / kMillimetre; }},
       {"normal_mean_deg", [](const Source& s) { return s.normal().mean_rad / kDegree; }},
       {"normal_median_deg", [](const Source& s) { return s.normal().median_rad / kDegree; }},
       {"normal_p95_deg", [](const Source& s) { return s.normal().p95_rad / kDegree; }},
@@ -164,6 +176,13 @@ PictureMeasures measure_picture(const render::Picture& picture,
     measures.distance = surface_distance(picture.depth_m, truth, view.camera);
   }
   return measures;
+}
+
+const RegionError* PictureMeasures::grazing() const {
+  const auto found = std::ranges::find_if(regions, [](const RegionError& region) {
+    return region.group == "unseen" && region.name == "grazing" && region.surface > 0;
+  });
+  return found == regions.end() ? nullptr : &*found;
 }
 
 std::string why_no_surface(const DepthError& error) {

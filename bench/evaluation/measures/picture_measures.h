@@ -32,6 +32,10 @@ struct PictureMeasures {
   ImageSimilarity shaded;  ///< surface image against the truth shaded alike; NaN: not formed
   std::vector<RegionError> regions;
   std::optional<SurfaceDistance> distance;  ///< none: not asked for
+
+  /// Of the true surface that sticks graze (TruthKind::grazing): what was found of it. Null where
+  /// there is none.
+  const RegionError* grazing() const;
 };
 
 /// Measures that take long and may be left out.

@@ -49,17 +49,20 @@ Json render_times_json(const AccuracyResults& results) {
 
 /// Of whole pictures; the keys are names of measures.
 const std::vector<Column>& picture_columns() {
-  static const std::vector<Column> columns = {{"median_mm", "median", "mm"},
-                                              {"rms_mm", "RMS", "mm"},
-                                              {"p95_mm", "P95", "mm"},
-                                              {"missed_percent", "missed", "%"},
-                                              {"missed_surface_percent", "of the surface", "%"},
-                                              {"false_percent", "false", "%"},
-                                              {"false_surface_percent", "of what is found", "%"},
-                                              {"normal_median_deg", "normal, median", "deg", 1},
-                                              {"distance_mean_mm", "distance, mean", "mm"},
-                                              {"hausdorff95_mm", "Hausdorff 95", "mm"},
-                                              {"ssim", "SSIM", "", 3}};
+  static const std::vector<Column> columns = {
+      {"median_mm", "median", "mm"},
+      {"rms_mm", "RMS", "mm"},
+      {"p95_mm", "P95", "mm"},
+      {"outliers_percent", "beyond 10 mm", "%"},
+      {"missed_percent", "missed", "%"},
+      {"missed_surface_percent", "of the surface", "%"},
+      {"false_percent", "false", "%"},
+      {"false_surface_percent", "of what is found", "%"},
+      {"grazing_missed_percent", "of grazing missed", "%", 0},
+      {"normal_median_deg", "normal, median", "deg", 1},
+      {"distance_mean_mm", "distance, mean", "mm"},
+      {"hausdorff95_mm", "Hausdorff 95", "mm"},
+      {"ssim", "SSIM", "", 3}};
   return columns;
 }
 

@@ -24,6 +24,12 @@ Truth small_flat_truth() {
   return flat_truth(kSize);
 }
 
+TEST(DepthStatistics, OutliersAreTheShareBeyondTenMillimetres) {
+  EXPECT_EQ(depth_statistics({0.0, 0.0099, 0.0101, -0.02}).outlier_share, 0.5);
+  EXPECT_EQ(depth_statistics({0.001}).outlier_share, 0);
+  EXPECT_TRUE(std::isnan(depth_statistics({}).outlier_share));
+}
+
 TEST(DepthError, OfThePerfectPictureIsZero) {
   const Truth truth = small_flat_truth();
   const DepthError error = measure_depth_error(truth.depth_m, truth, small_camera());
