@@ -23,8 +23,12 @@ double interpolated(const std::vector<double>& sorted, double q) {
 }  // namespace
 
 double quantile(std::vector<double> values, double q) {
-  std::sort(values.begin(), values.end());
-  return interpolated(values, q);
+  if (values.empty()) return kNone;
+  const double position = q * static_cast<double>(values.size() - 1);
+  const auto below = values.begin() + static_cast<std::ptrdiff_t>(position);
+  std::nth_element(values.begin(), below, values.end());
+  const auto above = below + 1 < values.end() ? std::min_element(below + 1, values.end()) : below;
+  return std::lerp(*below, *above, position - std::floor(position));
 }
 
 double root_mean_square(std::span<const double> values) {

@@ -1,5 +1,7 @@
 #include "bench/output/encoders.h"
 
+#include <exception>
+
 #include "bench/output/loaded_library.h"
 
 namespace wobblebench::bench {
@@ -17,6 +19,16 @@ const Encoders& load() {
 const Encoders& encoders() {
   static const Encoders& loaded = load();
   return loaded;
+}
+
+std::future<void> load_encoders_early() {
+  return std::async(std::launch::async, [] {
+    try {
+      static_cast<void>(encoders());
+    } catch (const std::exception&) {
+      // Tried again, and reported, where they are needed.
+    }
+  });
 }
 
 }  // namespace wobblebench::bench

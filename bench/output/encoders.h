@@ -5,6 +5,7 @@
 #include <array>
 #include <cstdint>
 #include <filesystem>
+#include <future>
 #include <memory>
 #include <string>
 #include <utility>
@@ -73,5 +74,9 @@ struct Encoders {
 /// one that was built. Throws std::runtime_error where that fails. May be called from several
 /// threads.
 const Encoders& encoders();
+
+/// Loads them on a thread of its own while a command does something else: 0.2 s of linking. Where
+/// that fails, encoders() says why.
+[[nodiscard]] std::future<void> load_encoders_early();
 
 }  // namespace wobblebench::bench

@@ -30,10 +30,9 @@ class HeightMap {
   HeightMap(const Image<double>& depth_m,
             const Image<glm::dvec3>& rendered,
             const RenderOptions& options)
-      : depth_m_(depth_m),
-        rendered_(rendered),
-        o_(options.shading),
-        camera_(make_camera(options)) {}
+      : depth_m_(depth_m), rendered_(rendered), o_(options.shading), camera_(make_camera(options)) {
+    for (const double z_m : depth_m.pixels) nearest_m_ = std::min(nearest_m_, z_m);
+  }
 
   glm::dvec3 shaded(int column, int row) const;
 
@@ -55,12 +54,14 @@ class HeightMap {
   glm::dvec3 normal(int column, int row) const;
   Lighting light_at(const glm::dvec3& from, const glm::dvec3& to_viewer) const;
   bool in_shadow(const glm::dvec3& from, const Lighting& light) const;
+  bool is_above_all(const glm::dvec3& direction, double depth_m) const;
   double pixels_per_m(const glm::dvec3& from, const glm::dvec3& direction) const;
 
   const Image<double>& depth_m_;
   const Image<glm::dvec3>& rendered_;
   const ShadingOptions& o_;
   Camera camera_;
+  double nearest_m_ = std::numeric_limits<double>::infinity();  ///< least z of the picture
 };
 
 /// Central difference; one-sided where a neighbour is missing, at constant z where both are.
@@ -108,6 +109,13 @@ double HeightMap::pixels_per_m(const glm::dvec3& from, const glm::dvec3& directi
   return std::max(std::abs(speed.x), std::abs(speed.y)) / camera_.pixel_m();
 }
 
+/// Whether a trace that goes on in this direction lies before the whole surface from here on. A
+/// parallel ray's depth along it is linear; in perspective it may grow again.
+bool HeightMap::is_above_all(const glm::dvec3& direction, double depth_m) const {
+  return camera_.projection == Projection::parallel && glm::dot(direction, camera_.forward) <= 0 &&
+         depth_m <= nearest_m_ + o_.shadow_bias_m;
+}
+
 /// Shadow trace (Fig. 4) from a surface point towards the light, one pixel of the picture per step.
 bool HeightMap::in_shadow(const glm::dvec3& from, const Lighting& light) const {
   const bool parallel = camera_.projection == Projection::parallel;
@@ -124,6 +132,7 @@ bool HeightMap::in_shadow(const glm::dvec3& from, const Lighting& light) const {
     if (left < 0 || top < 0 || left >= depth_m_.width || top >= depth_m_.height) return false;
     const double height_m = depth_m_.at(static_cast<int>(left), static_cast<int>(top));
     if (height_m + o_.shadow_bias_m < projected.depth_m) return true;
+    if (is_above_all(light.direction, projected.depth_m)) return false;
   }
   return false;
 }

@@ -20,6 +20,7 @@
 #include "bench/evaluation/error_model/correction.h"
 #include "bench/evaluation/truth/shadows.h"
 #include "bench/exchange/program/program_stream_renderer.h"
+#include "bench/output/encoders.h"
 #include "bench/output/error_report.h"
 #include "bench/output/report.h"
 #include "bench/output/report_parts.h"
@@ -290,6 +291,7 @@ int run(const Arguments& arguments) {
   board.check_one_volume(given);
   // Context and renderer are made before the echoes: what this machine cannot render fails early.
   const auto context = render::make_context(arguments.gl);
+  const auto encoders_loaded = load_encoders_early();
 
   const auto work = [&](OutputFolder& out, Progress& progress) {
     warn_of_software(*context, arguments.gl, progress);
