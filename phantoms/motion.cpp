@@ -202,9 +202,8 @@ double turn_fraction_slope_per_m(const Joint& joint, double from_center_m) {
   return -30 * u * u * (1 - u) * (1 - u) / thick_m;
 }
 
-// Right-handed about an axis of the frame.
-glm::dvec3 turned(const glm::dvec3& v, int axis, double angle_rad) {
-  const double c = std::cos(angle_rad), s = std::sin(angle_rad);
+// Right-handed about an axis of the frame, by an angle of cosine c and sine s.
+glm::dvec3 turned(const glm::dvec3& v, int axis, double c, double s) {
   const int next = (axis + 1) % 3, last = (axis + 2) % 3;
   glm::dvec3 result = v;
   result[next] = c * v[next] - s * v[last];
@@ -214,7 +213,8 @@ glm::dvec3 turned(const glm::dvec3& v, int axis, double angle_rad) {
 
 glm::dmat3 turn_about(int axis, double angle_rad) {
   glm::dmat3 turn(1.0);
-  for (int i = 0; i < 3; ++i) turn[i] = turned(turn[i], axis, angle_rad);
+  const double c = std::cos(angle_rad), s = std::sin(angle_rad);
+  for (int i = 0; i < 3; ++i) turn[i] = turned(turn[i], axis, c, s);
   return turn;
 }
 
@@ -224,24 +224,28 @@ void validate(const MotionOptions& options) {
   check_ranges(options);
 }
 
-glm::dvec3 Deformation::head_turned(const glm::dvec3& position_m, double angle_rad) const {
-  if (angle_rad == 0) return position_m;
+glm::dvec3 Deformation::head_turned(const glm::dvec3& position_m, double direction) const {
+  if (head_angle_rad_ == 0) return position_m;
   const glm::dvec3 arm = position_m - joint_.center_m;
   // A turn keeps the distance from the centre, so that the inverse finds the same fraction.
   const double fraction = turn_fraction(joint_, glm::length(arm));
   if (fraction == 0) return position_m;
-  return joint_.center_m + turned(arm, head_axis_, fraction * angle_rad);
+  if (fraction == 1) {
+    return joint_.center_m + turned(arm, head_axis_, head_cosine_, direction * head_sine_);
+  }
+  const double angle_rad = fraction * direction * head_angle_rad_;
+  return joint_.center_m + turned(arm, head_axis_, std::cos(angle_rad), std::sin(angle_rad));
 }
 
 glm::dvec3 Deformation::from_rest(const glm::dvec3& rest_m) const {
-  const glm::dvec3 pulsed = head_turned(jaw_.from_rest(rest_m), head_angle_rad_) + pulse_m_;
+  const glm::dvec3 pulsed = head_turned(jaw_.from_rest(rest_m), 1) + pulse_m_;
   return (turns_ ? turn_ * pulsed : pulsed) + path_m_;
 }
 
 glm::dvec3 Deformation::to_rest(const glm::dvec3& now_m) const {
   const glm::dvec3 on_path = now_m - path_m_;
   const glm::dvec3 pulsed = turns_ ? glm::transpose(turn_) * on_path : on_path;
-  return jaw_.to_rest(head_turned(pulsed - pulse_m_, -head_angle_rad_));
+  return jaw_.to_rest(head_turned(pulsed - pulse_m_, -1));
 }
 
 double Deformation::rigid_radius_m(const glm::dvec3& rest_m) const {
@@ -354,6 +358,8 @@ Deformation Motion::at(double time_s) const {
     result.joint_ = *joint_;
     result.head_axis_ = static_cast<int>(o.head_axis);
     result.head_angle_rad_ = o.head_turn_rad * sine(time_s, o.head_turn_period_s);
+    result.head_cosine_ = std::cos(result.head_angle_rad_);
+    result.head_sine_ = std::sin(result.head_angle_rad_);
   }
   if (o.breath_amplitude_m != 0) {
     result.pulse_m_.y = o.breath_amplitude_m * sine(time_s, o.breath_period_s);

@@ -165,7 +165,8 @@ class Deformation {
  private:
   friend class Motion;
   Deformation() = default;
-  glm::dvec3 head_turned(const glm::dvec3& position_m, double angle_rad) const;
+  /// `direction`: 1, or -1 for the inverse.
+  glm::dvec3 head_turned(const glm::dvec3& position_m, double direction) const;
   Tangent head_tangent(const glm::dvec3& position_m) const;
   Tangent moved(const Tangent& turned) const;
 
@@ -173,6 +174,7 @@ class Deformation {
   Joint joint_;
   int head_axis_ = 0;
   double head_angle_rad_ = 0;
+  double head_cosine_ = 1, head_sine_ = 0;
   bool turns_ = false;
   glm::dvec3 pulse_m_{0};  // breath and heartbeat
   glm::dmat3 turn_{1.0};

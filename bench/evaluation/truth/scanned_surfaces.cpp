@@ -168,9 +168,12 @@ hw::StickIndex ScannedSurfaces::stick_at(const glm::dvec3& position_m) const {
 glm::dvec3 ScannedSurfaces::to_rest(const glm::dvec3& position_m,
                                     const hw::StickIndex& stick) const {
   const glm::dvec3 moved_m = subject_.placement.to_phantom(position_m);
-  if (moments_->empty()) return moved_m;
+  return moments_->empty() ? moved_m : moment_of(stick).to_rest(moved_m);
+}
+
+const phantoms::Deformation& ScannedSurfaces::moment_of(const hw::StickIndex& stick) const {
   const auto lines = static_cast<std::size_t>(plan_.acquisition().sticks_per_frame);
-  return (*moments_)[stick.frame * lines + stick.line].to_rest(moved_m);
+  return (*moments_)[stick.frame * lines + stick.line];
 }
 
 /// The gradient of distance(to_rest(x)): the transposed Jacobian of to_rest() times the gradient at
@@ -242,6 +245,8 @@ double ScannedSurfaces::rest_displacement_m(const hw::Ray& ray,
                                             const RaySample& from,
                                             double step_m) const {
   if (subject_.motion.rigid()) return step_m;
+  // Most of a head turns rigidly, and most of what is around it not at all.
+  if (moment_of(from.stick).rigid_radius_m(from.rest_m) >= step_m) return step_m;
   double farthest = 0;
   for (int i = 1; i <= kDisplacementSamples; ++i) {
     const glm::dvec3 rest =

@@ -69,6 +69,8 @@ class ScannedSurfaces {
     std::vector<double> distance_m;  ///< to each target, as distance_bound() gives it
   };
 
+  /// Of a phantom that moves.
+  const phantoms::Deformation& moment_of(const hw::StickIndex& stick) const;
   glm::dvec3 gradient_at_stick(const glm::dvec3& position_m,
                                const hw::StickIndex& stick,
                                const glm::dvec3& gradient) const;
