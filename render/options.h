@@ -168,6 +168,9 @@ struct RayCastingOptions {
   /// nullopt: kShareOfWidth of the probe's beam width at the surface, in the direction in which
   /// the surface is tilted (hw::BeamWidths).
   std::optional<double> incidence_correction_m = 0;
+  /// iso: a ray that enters the box or the cone beyond the level has its surface there, a cap as
+  /// that of a clipped iso-surface. Else it has one only where it leaves tissue and enters again.
+  bool caps = false;
   /// Pieces of the surface of a smaller area across the view are left out
   /// (render/passes/pieces.h); 0: none.
   double smallest_piece_m2 = 0;
@@ -218,6 +221,7 @@ void describe(O& o, Visitor& v) {
            {{"paper", Detector::paper}, {"iso", Detector::iso}, {"floor", Detector::floor}});
   v.real("iso_level", o.iso_level, 1, 0.05, 1.5);
   v.real_or_auto("incidence_correction_mm", o.incidence_correction_m, kMillimetre, 0, 10);
+  v.flag("caps", o.caps);
   v.real("smallest_piece_mm2", o.smallest_piece_m2, kMillimetre * kMillimetre, 0, 10000);
   v.integer("buffer_length", o.buffer_length, 2, kLongestBuffer);
   v.real("buffer_length_mm", o.buffer_length_m, kMillimetre, 0, 1000);

@@ -244,6 +244,9 @@ const std::vector<Rule>& rules_of_rays() {
       {{"render.ray_casting.threshold"},
        "render.ray_casting.threshold_per_sample = 0",
        [](const Setting& s) { return s.scene.render.ray_casting.threshold_per_sample == 0; }},
+      {{"render.ray_casting.caps"},
+       "render.ray_casting.detector = iso, where a surface is sought",
+       [](const Setting& s) { return s.detects_by(Detector::iso); }},
       {{"render.ray_casting.iso_level"},
        "render.ray_casting.detector = iso or floor, where a surface is sought",
        [](const Setting& s) {

@@ -80,6 +80,7 @@ Defines defines(const SliceGeometry& geometry, const RenderOptions& options, boo
       .add("TAPS", static_cast<int>(buffer_weights(o).size()))
       .add("DETECTOR", static_cast<int>(o.detector))
       .add("DETECTOR_ISO", static_cast<int>(Detector::iso))
+      .add("CAPS", o.caps)
       .add("DETECTOR_FLOOR", static_cast<int>(Detector::floor))
       .add("BUFFER", o.detector == Detector::paper ? buffer_samples(options) : 2)
       .add("REFILL", detector_samples(options))

@@ -87,6 +87,7 @@ class IsoFinder : public SurfaceFinder {
   std::optional<double> take(double sample, double distance_m) override {
     const double now = sign_of(o_.edge) * (sample - level_);
     const std::optional<double> before = std::exchange(last_, now);
+    if (o_.caps && !before && now >= 0) return distance_m;
     if (!before || *before >= 0 || now < 0) return {};
     return o_.refine_crossing ? distance_m - step_m_ * now / (now - *before) : distance_m;
   }

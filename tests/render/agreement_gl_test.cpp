@@ -444,6 +444,7 @@ RenderOptions random_options(std::mt19937& random) {
   options.volume_of_interest.size_m = {uniform(0.02, 0.3), uniform(0.02, 0.3), uniform(0.02, 0.3)};
   options.scan_conversion.slice_size = integer(24, 90);
   options.scan_conversion.filter_size = 1 + 2 * integer(0, 2);
+  o.caps = integer(0, 1) > 0;
   return options;
 }
 

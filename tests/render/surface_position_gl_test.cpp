@@ -154,5 +154,45 @@ TEST(SurfacePositionFalling, FindsTheFarSideOfASlabAsAFallingEdge) {
   EXPECT_NEAR(e.mean, 3.5, 0.1);
 }
 
+/// Tissue down to the middle of the box, fluid behind it: rays begin in tissue.
+hw::PolarVolume tissue_above() {
+  return testing::sample_field(dense_plan(), [](const glm::dvec3& at_m) {
+    return at_m.z < 0.09 ? testing::kInside : testing::kOutside;
+  });
+}
+
+TEST(Caps, StandWhereRaysThatBeginInTissueEnterTheBox) {
+  RenderOptions options = dense_options(0);
+  options.ray_casting.detector = Detector::iso;
+  options.ray_casting.iso_level = 0.5;
+  const hw::PolarVolume volume = tissue_above();
+  for (const PipelineMode mode : {PipelineMode::plain, PipelineMode::fast}) {
+    options.pipeline.mode = mode;
+    options.ray_casting.caps = false;
+    EXPECT_EQ(testing::hits(render_volume(testing::gl_context(), volume, options).depth_m), 0);
+    options.ray_casting.caps = true;
+    const Picture capped = render_volume(testing::gl_context(), volume, options);
+    // The near face of the box is at z = 80 mm; the first sample lies half a step behind it.
+    const Errors of = errors(capped, options, [&](const hw::Ray& ray) {
+      return (0.08 - ray.origin.z) / ray.direction.z + 0.5 * step_m(options);
+    });
+    EXPECT_EQ(of.count, 32 * 32);
+    EXPECT_NEAR(of.mean, 0, 1e-3);
+    EXPECT_FALSE(of.spread > 1e-3);  // of equal values it may be the root of a rounding error
+  }
+}
+
+TEST(Caps, ChangeNoRayThatBeginsInFluid) {
+  RenderOptions options = dense_options(0);
+  options.ray_casting.detector = Detector::iso;
+  const hw::PolarVolume volume =
+      testing::sample_field(dense_plan(), testing::sphere({0, 0, 0.092}, 0.005, 1e-3));
+  const Picture without = render_volume(testing::gl_context(), volume, options);
+  options.ray_casting.caps = true;
+  const Picture with = render_volume(testing::gl_context(), volume, options);
+  EXPECT_GT(testing::hits(without.depth_m), 100);
+  EXPECT_TRUE(testing::same_bits(with.depth_m, without.depth_m));
+}
+
 }  // namespace
 }  // namespace wobblebench::render

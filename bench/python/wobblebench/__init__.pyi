@@ -147,6 +147,7 @@ SceneKey = Literal[
     "render.ray_casting.detector",
     "render.ray_casting.iso_level",
     "render.ray_casting.incidence_correction_mm",
+    "render.ray_casting.caps",
     "render.ray_casting.smallest_piece_mm2",
     "render.ray_casting.buffer_length",
     "render.ray_casting.buffer_length_mm",

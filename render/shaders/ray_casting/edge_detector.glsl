@@ -12,7 +12,10 @@ float difference, last_difference;  // beyond the threshold if >= threshold: now
 float on_grid(float value) { return roundEven(value * 262144.0) / 262144.0; }
 
 #if DETECTOR == DETECTOR_ISO
-// An iso-surface: the first sample beyond the level after one that was not.
+// An iso-surface: the first sample beyond the level after one that was not, or with CAPS the first
+// of all.
+const float NO_DIFFERENCE = -1e30;  // makes steps_past_crossing() 0
+
 void empty_buffer() {
   taken = 0;
   difference = 0.0;
@@ -22,6 +25,12 @@ bool reaches_surface(bool inside, float newest) {
   last_difference = difference;
   difference = edge_sign * (newest - threshold);
   taken = inside ? taken + 1 : 0;
+#if CAPS
+  if (taken == 1 && difference >= 0.0) {  // the ray begins beyond the level
+    last_difference = NO_DIFFERENCE;
+    return true;
+  }
+#endif
   return taken >= BUFFER && last_difference < 0.0 && difference >= 0.0;
 }
 
