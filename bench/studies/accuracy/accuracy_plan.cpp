@@ -7,7 +7,7 @@
 #include "base/user_error.h"
 #include "bench/exchange/program/renderer_process.h"
 #include "bench/scene/toml_file.h"
-#include "bench/studies/plans/drawn_scenes.h"
+#include "bench/studies/dataset/drawn_scenes.h"
 #include "bench/studies/validate/common/statistics.h"
 #include "sim/fidelity.h"
 
@@ -123,7 +123,9 @@ AccuracyPlan load_accuracy_plan(const std::filesystem::path& path) {
   for (const auto& [key, node] : root) given.emplace_back(key.str());
   for (const std::string& key : reader.known_keys()) known.push_back(key);
   refuse_unknown_keys(given, known, source);
-  check_drawn_keys(drawn, root, reader.given_keys(), {"seeds", "first_seed", "scenes"}, source);
+  // The reader has taken its own keys, "plan.seeds", out of `root`.
+  for (const std::string& key : reader.given_keys()) given.push_back(key.substr(key.find('.') + 1));
+  check_drawn_keys(drawn, given, {"seeds", "first_seed", "scenes"}, source);
   AccuracyPlan plan{
       source,
       seeds_from(options.first_seed, options.seeds),

@@ -14,7 +14,7 @@
 #include "base/hash.h"
 #include "base/number_text.h"
 #include "bench/scene/toml_file.h"
-#include "bench/studies/plans/drawn_scenes.h"
+#include "bench/studies/dataset/drawn_scenes.h"
 #include "bench/studies/validate/common/statistics.h"
 
 namespace wobblebench::bench {
@@ -284,7 +284,9 @@ TradePlan load_trade_plan(const std::filesystem::path& path) {
   std::vector<std::string> given;
   for (const auto& [key, node] : root) given.emplace_back(key.str());
   refuse_unknown_keys(given, known, plan.source);
-  check_drawn_keys(drawn, root, reader.given_keys(), {"scenes", "unseen"}, plan.source);
+  // The reader has taken its own keys, "plan.half", out of `root`.
+  for (const std::string& key : reader.given_keys()) given.push_back(key.substr(key.find('.') + 1));
+  check_drawn_keys(drawn, given, {"scenes", "unseen"}, plan.source);
   plan.reference = load_option_table(path, "reference");
   if (drawn.given()) {
     draw_scenes(drawn, path, plan);

@@ -1,24 +1,20 @@
-#include "bench/studies/plans/drawn_scenes.h"
+#include "bench/studies/dataset/drawn_scenes.h"
 
 #include <algorithm>
 
 namespace wobblebench::bench {
 
 void check_drawn_keys(const DrawnOptions& options,
-                      const toml::table& root,
                       const std::vector<std::string>& given,
                       const std::vector<std::string>& drawn_instead,
                       const std::string& source) {
-  if (options.given()) {
-    for (const std::string& key : drawn_instead) {
-      if (!root.contains(key)) continue;
-      refuse_plan(source, key, "is drawn by the population; leave it out");
-    }
-    return;
-  }
-  for (const char* key : {"half", "per_stratum"}) {
-    if (std::ranges::find(given, std::string("plan.") + key) == given.end()) continue;
-    refuse_plan(source, key, "acts with population alone");
+  const std::vector<std::string> acting_with_one = {"half", "per_stratum"};
+  for (const std::string& key : options.given() ? drawn_instead : acting_with_one) {
+    if (std::ranges::find(given, key) == given.end()) continue;
+    refuse_plan(source,
+                key,
+                options.given() ? "is drawn by the population; leave it out"
+                                : "acts with population alone");
   }
 }
 

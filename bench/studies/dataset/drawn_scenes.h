@@ -1,11 +1,9 @@
 // Scenes of a population in place of those that a plan names.
 #pragma once
 
-#include <toml++/toml.h>
 #include <cstdint>
 #include <filesystem>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "base/options.h"
@@ -36,9 +34,8 @@ void describe(O& o, Visitor& v) {
 }
 
 /// Refuses `half` and `per_stratum` without a population, and beside one the keys of
-/// `drawn_instead`. `given`: keys of the plan's own options, as "plan.half".
+/// `drawn_instead`. `given`: keys that stand in the plan.
 void check_drawn_keys(const DrawnOptions& options,
-                      const toml::table& root,
                       const std::vector<std::string>& given,
                       const std::vector<std::string>& drawn_instead,
                       const std::string& source);
