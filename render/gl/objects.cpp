@@ -254,18 +254,17 @@ std::vector<float> Texture::download() const {
   return texels;
 }
 
-std::vector<float> Texture::download_layers(int first, int count) const {
-  std::vector<float> texels(values() / static_cast<std::size_t>(extent_.depth) *
-                            static_cast<std::size_t>(count));
+std::vector<float> Texture::download_layer(int layer) const {
+  std::vector<float> texels(values() / static_cast<std::size_t>(extent_.depth));
   glPixelStorei(GL_PACK_ALIGNMENT, 1);
   glGetTextureSubImage(id(),
                        0,
                        0,
                        0,
-                       first,
+                       layer,
                        extent_.width,
                        extent_.height,
-                       count,
+                       1,
                        info(format_).transfer,
                        GL_FLOAT,
                        static_cast<GLsizei>(texels.size() * sizeof(float)),

@@ -82,8 +82,8 @@ class Texture {
   void upload_layer(int layer, const std::vector<std::uint16_t>& values);
   /// All texels as `channels` floats each.
   [[nodiscard]] std::vector<float> download() const;
-  /// The same for some layers, one after the other.
-  [[nodiscard]] std::vector<float> download_layers(int first, int count) const;
+  /// The same for one layer.
+  [[nodiscard]] std::vector<float> download_layer(int layer) const;
 
   void set_filter(TextureFilter filter) const;
   TextureFilter filter() const;

@@ -1,6 +1,5 @@
 #include "render/leaping/empty_space.h"
 
-#include <span>
 #include <string>
 #include <utility>
 
@@ -9,8 +8,8 @@ namespace {
 
 enum Bindings { kSlices };
 
-std::vector<MacrocellBounds> to_bounds(std::span<const float> values_and_x,
-                                       std::span<const float> depth_and_frame) {
+std::vector<MacrocellBounds> to_bounds(const std::vector<float>& values_and_x,
+                                       const std::vector<float>& depth_and_frame) {
   std::vector<MacrocellBounds> bounds(values_and_x.size() / 4);
   for (std::size_t i = 0; i < bounds.size(); ++i) {
     const float* v = values_and_x.data() + 4 * i;
@@ -76,29 +75,15 @@ void EmptySpace::set_covered(const FrameSpan& covered) {
 
 const Texture& EmptySpace::distances() {
   if (!std::exchange(changed_, false)) return distances_;
-  const int intervals = cells_.grid().intervals;
-  for (int first = 0; first < intervals;) {
-    int end = first;
-    while (end < intervals && outdated_[static_cast<std::size_t>(end)]) ++end;
-    if (end > first) download_bounds(first, end - first);
-    first = end + 1;
+  for (int interval = 0; interval < cells_.grid().intervals; ++interval) {
+    if (!outdated_[static_cast<std::size_t>(interval)]) continue;
+    outdated_[static_cast<std::size_t>(interval)] = false;
+    cells_.set_bounds(interval,
+                      to_bounds(values_and_x_.download_layer(interval),
+                                depth_and_frame_.download_layer(interval)));
   }
-  outdated_.assign(outdated_.size(), false);
   distances_.upload(cells_.distances());
   return distances_;
-}
-
-/// In one transfer: a GPU makes the CPU wait for each.
-void EmptySpace::download_bounds(int first, int count) {
-  const std::vector<float> values_and_x = values_and_x_.download_layers(first, count);
-  const std::vector<float> depth_and_frame = depth_and_frame_.download_layers(first, count);
-  const std::size_t of_one = values_and_x.size() / static_cast<std::size_t>(count);
-  for (int i = 0; i < count; ++i) {
-    const std::size_t begin = static_cast<std::size_t>(i) * of_one;
-    cells_.set_bounds(first + i,
-                      to_bounds(std::span(values_and_x).subspan(begin, of_one),
-                                std::span(depth_and_frame).subspan(begin, of_one)));
-  }
 }
 
 }  // namespace wobblebench::render

@@ -30,8 +30,6 @@ class EmptySpace {
   const SkippableCells& cells() const { return cells_; }
 
  private:
-  void download_bounds(int first, int count);
-
   SkippableCells cells_;
   Texture values_and_x_, depth_and_frame_;  ///< bounds of cells, one layer per interval
   Texture distances_;

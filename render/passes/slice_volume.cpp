@@ -83,7 +83,7 @@ Image<float> SliceVolume::download_slice(int frame) const {
   const int last_layer = std::max(slices().extent().depth - 1, 0);
   const int layer = std::min(frame, last_layer), channel = frame - layer;
   const auto stride = static_cast<std::size_t>(channels(slices().format()));
-  const std::vector<float> texels = slices().download_layers(layer, 1);
+  const std::vector<float> texels = slices().download_layer(layer);
   Image<float> slice(pixels().columns, pixels().rows);
   for (std::size_t i = 0; i < slice.pixels.size(); ++i) {
     slice.pixels[i] = texels.at(stride * i + static_cast<std::size_t>(channel));
