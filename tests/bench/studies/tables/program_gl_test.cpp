@@ -150,7 +150,10 @@ TEST(TablesProgram, ComparesItsPictureWithAnotherContexts) {
   against.insert(against.end(), {"--against", "other", "--json"});
   const ProcessResult result = tables(against, folder);
   ASSERT_EQ(result.exit_code, 0) << result.err;
-  for (const auto& picture : nlohmann::json::parse(result.out).at("agreement").at("pictures")) {
+  const auto report = nlohmann::json::parse(result.out);
+  const auto& pictures_of = report.at("agreement").at("pictures");
+  ASSERT_EQ(pictures_of.size(), 2U);
+  for (const auto& picture : pictures_of) {
     EXPECT_GT(picture.at("pixels"), 1000);
     EXPECT_EQ(picture.at("unexplained_share"), 0);
     EXPECT_EQ(picture.at("light_largest"), 0);
