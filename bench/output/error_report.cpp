@@ -112,7 +112,7 @@ Json error_json(const PictureMeasures& measures, const Sought& sought) {
           {"outside_field_percent", share(raw.outside_field)},
           {"grazing_percent", share(raw.grazing)},
           {"grazing_missed_percent",
-           percent(grazing != nullptr, grazing ? 100.0 * grazing->missed / grazing->surface : 0)},
+           percent(grazing != nullptr, grazing ? grazing->missed_pixels_percent() : 0)},
           {"grazing_p95_mm", grazing ? mm(grazing->depth.p95_m) : Json(nullptr)},
           {"shadowed_percent", share(raw.shadowed)},
           {"pixels", raw.pixels},

@@ -78,7 +78,7 @@ struct Source {
   /// Percentage of the pixels that sticks graze.
   double grazing_missed_percent() const {
     const RegionError* grazing = region ? nullptr : picture.grazing();
-    return grazing ? 100.0 * grazing->missed / grazing->surface : kUnset;
+    return grazing ? grazing->missed_pixels_percent() : kUnset;
   }
   double grazing_p95_m() const {
     const RegionError* grazing = region ? nullptr : picture.grazing();

@@ -51,6 +51,8 @@ struct RegionError {
   NormalStatistics normal;      ///< normals of pass 3's z
 
   double missed_surface_percent() const { return 100.0 * missed_m2 / surface_m2; }
+  /// Of the region's own pixels.
+  double missed_pixels_percent() const { return 100.0 * missed / surface; }
 };
 
 /// Regions with neither a true nor a false surface are left out.

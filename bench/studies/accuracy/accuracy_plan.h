@@ -15,9 +15,7 @@ namespace wobblebench::bench {
 ///   seeds = 10                             # number of seeds, from first_seed on
 ///   first_seed = 1
 ///   rungs = ["field", "scatterers"]
-///   population = "population.toml"         # in place of scenes and seeds: a plan of `dataset`
-///   half = "judge"                         # or "train": which of its scenes
-///   per_stratum = 10                       # how many of each stratum
+///   population = "population.toml"         # in place of scenes and seeds (DrawnOptions)
 ///   reference = "paper"                    # the setting that others are compared with
 ///   [scenes.ball]                          # as in a scene file, below its name
 ///   file = "sphere.toml"                   # beside the plan; a scene to begin from

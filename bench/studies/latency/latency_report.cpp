@@ -4,7 +4,6 @@
 #include <cmath>
 #include <iterator>
 #include <nlohmann/json.hpp>
-#include <span>
 #include <sstream>
 
 #include "base/number_text.h"
@@ -301,14 +300,16 @@ Table crossover_table(const LatencyStudy& study) {
 }
 
 /// For which depth and number of frames sound takes longer than rendering; the scene is a point.
-/// Of known times, which have three curves each, the table has enough.
+/// Times of other machines are in the table alone, or lines would lie on each other.
 Chart crossover_chart(const LatencyStudy& study, const Scene& scene) {
   Chart chart{.title = "Above its line sound takes longer than rendering, below it rendering does",
               .x = {.label = "depth (mm)"},
               .y = {.label = "frames a volume", .scale = Scale::logarithmic}};
   int colour = 0;
-  const std::size_t first_known = study.crossovers.size() - 3 * study.what_ifs.size();
-  for (const CrossoverCurve& curve : std::span(study.crossovers).first(first_known)) {
+  for (const CrossoverCurve& curve : study.crossovers) {
+    if (std::ranges::find(study.what_ifs, curve.times, &WhatIf::times) != study.what_ifs.end()) {
+      continue;
+    }
     chart.series.push_back({.name = curve.times + ", " + std::to_string(curve.lines) + " lines",
                             .x = curve.depth_mm,
                             .y = curve.frames,

@@ -1,0 +1,27 @@
+// Charts of the errors of whole pictures, and what they share with the tables.
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include "bench/output/document/chart.h"
+#include "bench/output/document/table.h"
+#include "bench/studies/accuracy/accuracy_study.h"
+
+namespace wobblebench::bench {
+
+/// Of whole pictures; the keys are names of measures.
+const std::vector<Column>& picture_columns();
+
+/// Of a measure, in measure_names().
+std::size_t index_of(const std::string& measure);
+
+/// Names a summary of a whole picture in charts and tables.
+std::string id_of(const AccuracySummary& s);
+
+/// Median, P95, missed and false of one rung each: settings along the axis and a series for each
+/// scene, or the other way round where there is one setting alone.
+std::vector<Figure> accuracy_figures(const AccuracyResults& results);
+
+}  // namespace wobblebench::bench

@@ -1,0 +1,162 @@
+// Whole pictures: mode fast against mode plain for several scenes, views and random settings.
+#include <gtest/gtest.h>
+
+#include <ostream>
+#include <random>
+#include <stdexcept>
+#include <string>
+#include <tuple>
+
+#include "base/units.h"
+#include "tests/render/support/agreement.h"
+#include "tests/render/support/gl_fixture.h"
+#include "tests/render/support/synthetic.h"
+
+namespace wobblebench::render {
+namespace {
+
+hw::PolarVolume scene_named(const std::string& name) {
+  const hw::AcquisitionPlan plan = testing::small_plan();
+  if (name == "sphere") {
+    return testing::sample_field(plan, testing::sphere({0, 0, 0.12}, 0.03, 4e-3));
+  }
+  if (name == "plane") {
+    return testing::sample_field(plan, testing::plane({0, 0, 0.12}, {0.2, 0.1, -1}, 4e-3));
+  }
+  if (name == "noise") {
+    return testing::sample_field(plan,
+                                 testing::noisy([](const glm::dvec3&) { return 0.4; }, 0.3, 5));
+  }
+  return testing::noisy_scene();
+}
+
+struct View {
+  const char* name;
+  double yaw_deg, pitch_deg;
+};
+void PrintTo(const View& view, std::ostream* out) {
+  *out << view.name;
+}
+const View kViews[] = {
+    {"front", 0, 0}, {"right", 40, 0}, {"left_below", -50, -35}, {"above", 0, 60}, {"side", 90, 0}};
+
+class FastAgainstPlain
+    : public ::testing::TestWithParam<std::tuple<const char*, View, KernelSpace>> {};
+
+TEST_P(FastAgainstPlain, RendersTheSamePicture) {
+  const auto& [scene, view, space] = GetParam();
+  const hw::PolarVolume volume = scene_named(scene);
+  RenderOptions options = testing::small_options();
+  options.view.yaw_rad = view.yaw_deg * kDegree;
+  options.view.pitch_rad = view.pitch_deg * kDegree;
+  options.ray_casting.kernel_space = space;
+  const Picture plain = testing::rendered(volume, options, PipelineMode::plain);
+  EXPECT_GT(testing::hits(plain.depth_m), 0);
+  testing::expect_same(testing::rendered(volume, options, PipelineMode::fast), plain, {}, options);
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Each,
+    FastAgainstPlain,
+    ::testing::Combine(::testing::Values("sphere", "plane", "noise", "noisy_scene"),
+                       ::testing::ValuesIn(kViews),
+                       ::testing::Values(KernelSpace::slice, KernelSpace::ray)),
+    [](const auto& param_info) {
+      const bool slice = std::get<2>(param_info.param) == KernelSpace::slice;
+      return std::string(std::get<0>(param_info.param)) + "_" + std::get<1>(param_info.param).name +
+             (slice ? "_slice" : "_ray");
+    });
+
+/// Settings and views drawn at random.
+RenderOptions random_options(std::mt19937& random) {
+  const auto uniform = [&](double low, double high) {
+    return std::uniform_real_distribution<double>(low, high)(random);
+  };
+  const auto integer = [&](int low, int high) {
+    return std::uniform_int_distribution<int>(low, high)(random);
+  };
+  RenderOptions options = testing::small_options();
+  options.view = {uniform(-kPi, kPi), uniform(-kPi, kPi), uniform(-kPi, kPi)};
+  options.view.projection = integer(0, 2) == 0 ? Projection::perspective : Projection::parallel;
+  options.view.eye_distance_m = uniform(0.02, 0.5);
+  RayCastingOptions& o = options.ray_casting;
+  o.image_size = 24;
+  o.steps = integer(8, 160);
+  o.buffer_length = 2 * integer(1, 12);
+  o.threshold = uniform(0.02, 0.4) * o.buffer_length / 2;
+  o.kernel_3d = 1 + 2 * integer(0, 2);
+  o.window_2d = 1 + 2 * integer(0, 1);
+  o.kernel_space = integer(0, 2) == 0 ? KernelSpace::ray : KernelSpace::slice;
+  o.edge = integer(0, 1) ? EdgeSign::rising : EdgeSign::falling;
+  o.mode = static_cast<RenderMode>(integer(0, 2));
+  o.detector = static_cast<Detector>(integer(0, 2));
+  o.smallest_piece_m2 = integer(0, 1) * 40e-6;
+  o.incidence_correction_m = integer(0, 1) * 1e-3;
+  if (integer(0, 2) == 0) o.incidence_correction_m.reset();
+  options.reconstruction.sticks = integer(0, 3) == 0 ? Sticks::aligned : Sticks::plain;
+  options.reconstruction.spacing_m = 4e-3;
+  o.stop_at_box = integer(0, 2) > 0;
+  o.stop_on_leaving_cone = integer(0, 1) > 0;
+  options.volume_of_interest.center_m = {
+      uniform(-0.04, 0.04), uniform(-0.04, 0.04), uniform(0.06, 0.16)};
+  options.volume_of_interest.size_m = {uniform(0.02, 0.3), uniform(0.02, 0.3), uniform(0.02, 0.3)};
+  options.scan_conversion.slice_size = integer(24, 90);
+  options.scan_conversion.filter_size = 1 + 2 * integer(0, 2);
+  o.caps = integer(0, 1) > 0;
+  return options;
+}
+
+/// A driver that ends a pixel's loops after some number of turns must not shorten rays.
+RenderOptions options_of_many_taps(int steps, int window) {
+  RenderOptions options = testing::small_options();
+  options.ray_casting.image_size = 24;
+  options.ray_casting.kernel_space = KernelSpace::ray;
+  options.ray_casting.kernel_3d = 5;
+  options.ray_casting.window_2d = window;
+  options.ray_casting.steps = steps;
+  options.ray_casting.opacity_limit = 2;
+  return options;
+}
+
+TEST(ManyTaps, AreTakenToTheEndOfARay) {
+  const hw::PolarVolume& volume = testing::noisy_scene();
+  const RenderOptions options = options_of_many_taps(1600, 7);
+  Picture expected = testing::rendered(volume, options_of_many_taps(1600, 1), PipelineMode::plain);
+  for (const PipelineMode mode : {PipelineMode::fast, PipelineMode::plain}) {
+    // The window acts on the buffer alone.
+    const auto blended =
+        testing::compare(testing::rendered(volume, options, mode).volume, expected.volume, 0.005);
+    EXPECT_EQ(blended.failing_share, 0) << to_string(mode);
+  }
+}
+
+TEST(ManyTaps, AreRefusedWhereTheDriverWouldEndRays) {
+  if (!testing::gl_context().renderer_string().starts_with("llvmpipe")) GTEST_SKIP();
+  const RenderOptions options = options_of_many_taps(4096, 11);
+  EXPECT_THROW(testing::rendered(testing::noisy_scene(), options, PipelineMode::plain),
+               std::runtime_error);
+  EXPECT_THROW(testing::rendered(testing::noisy_scene(), options, PipelineMode::fast),
+               std::runtime_error);
+}
+
+TEST(FastAgainstPlainAtRandom, RendersTheSamePicture) {
+  std::mt19937 random(11);
+  const hw::PolarVolume& volume = testing::noisy_scene();
+  // Up to two pixels of 576 may differ by float rounding, on rays that graze a border; their
+  // neighbours are shaded by them.
+  const testing::Bounds two{
+      .changed_share = 2.5 / 576, .blended_share = 2.5 / 576, .surface_share = 1};
+  int compared = 0;
+  for (int trial = 0; trial < 60; ++trial) {
+    SCOPED_TRACE(trial);
+    const RenderOptions options = random_options(random);
+    compared += testing::expect_same(testing::rendered(volume, options, PipelineMode::fast),
+                                     testing::rendered(volume, options, PipelineMode::plain),
+                                     two,
+                                     options);
+  }
+  EXPECT_GT(compared, 1200);
+}
+
+}  // namespace
+}  // namespace wobblebench::render
