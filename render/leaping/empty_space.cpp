@@ -3,6 +3,8 @@
 #include <string>
 #include <utility>
 
+#include "render/leaping/ray_spans.h"
+
 namespace wobblebench::render {
 namespace {
 
@@ -74,7 +76,17 @@ void EmptySpace::set_covered(const FrameSpan& covered) {
 }
 
 const Texture& EmptySpace::distances() {
-  if (!std::exchange(changed_, false)) return distances_;
+  refresh();
+  return distances_;
+}
+
+const Texture& EmptySpace::spans() {
+  refresh();
+  return spans_;
+}
+
+void EmptySpace::refresh() {
+  if (!std::exchange(changed_, false)) return;
   for (int interval = 0; interval < cells_.grid().intervals; ++interval) {
     if (!outdated_[static_cast<std::size_t>(interval)]) continue;
     outdated_[static_cast<std::size_t>(interval)] = false;
@@ -82,8 +94,13 @@ const Texture& EmptySpace::distances() {
                       to_bounds(values_and_x_.download_layer(interval),
                                 depth_and_frame_.download_layer(interval)));
   }
-  distances_.upload(cells_.distances());
-  return distances_;
+  const CellBits set = cells_.to_sample();
+  distances_.upload(cell_distances(set, cells_.grid()));
+  const int tiles = tiles_per_side(cells_.camera().image_size);
+  if (spans_.extent().width != tiles) {
+    spans_ = Texture("spans of rays", TexelFormat::rg32f, {tiles, tiles}, TextureFilter::nearest);
+  }
+  spans_.upload(ray_spans(set, cells_.grid(), cells_.geometry(), cells_.camera()));
 }
 
 }  // namespace wobblebench::render

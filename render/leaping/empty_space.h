@@ -24,18 +24,22 @@ class EmptySpace {
   void set_level(double level);
   void set_covered(const FrameSpan& covered);
 
-  /// SkippableCells::distances() over 255; columns x rows x intervals of the grid.
+  /// cell_distances() of the cells to sample, over 255; columns x rows x intervals of the grid.
   const Texture& distances();
+  /// ray_spans() of the cells to sample, a texel for each tile.
+  const Texture& spans();
 
   const SkippableCells& cells() const { return cells_; }
 
  private:
+  void refresh();
+
   SkippableCells cells_;
   Texture values_and_x_, depth_and_frame_;  ///< bounds of cells, one layer per interval
-  Texture distances_;
+  Texture distances_, spans_;
   FragmentProgram& bounds_program_;
   std::vector<bool> outdated_;  ///< per interval: bounds not yet passed to `cells_`
-  bool changed_ = true;         ///< `distances_` is out of date
+  bool changed_ = true;         ///< `distances_` and `spans_` are out of date
 };
 
 }  // namespace wobblebench::render

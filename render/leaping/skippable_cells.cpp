@@ -180,11 +180,28 @@ void SkippableCells::set_bounds(int interval, std::vector<MacrocellBounds> bound
 }
 
 void SkippableCells::set_view(const RenderOptions& options) {
-  const Camera camera = make_camera(options);
-  forward_ = camera.forward;
-  const bool perspective = camera.projection == Projection::perspective;
-  const double half_diagonal_m = camera.width_m / std::sqrt(2.0);
-  spread_ = perspective ? half_diagonal_m / camera.eye_distance_m : 0;
+  camera_ = make_camera(options);
+  const bool perspective = camera_.projection == Projection::perspective;
+  const double half_diagonal_m = camera_.width_m / std::sqrt(2.0);
+  spread_ = perspective ? half_diagonal_m / camera_.eye_distance_m : 0;
+  may_return_ = rays_may_return();
+}
+
+/// Whether a ray of the view may leave the cone of valid data and come back into it. None does if
+/// all of them run away from the wobble axis, or all towards it, and so little along x that along
+/// them depth tan(half the sector) - |x| and r never turn round.
+bool SkippableCells::rays_may_return() const {
+  const double half_rad = geometry_.half_sector_rad();
+  if (half_rad >= 0.49 * kPi) return true;
+  const double steepest = std::min(std::tan(half_rad), 1 / std::tan(half_rad));
+  bool away = true, towards = true;
+  for (int interval = 0; interval < grid_.intervals; ++interval) {
+    const Directions along = directions(interval, 0);
+    const double sideways = std::max(-along.x.low, along.x.high) + 1e-6;
+    away = away && along.radial.low * steepest >= sideways;
+    towards = towards && -along.radial.high * steepest >= sideways;
+  }
+  return !away && !towards;
 }
 
 /// Directions of rays within an interval widened by this angle on both sides.
@@ -195,9 +212,10 @@ SkippableCells::Directions SkippableCells::directions(int interval, double margi
   const auto around = [](double middle, double margin) {
     return Range{std::max(middle - margin, -1.0), std::min(middle + margin, 1.0)};
   };
-  const double radial = forward_.z * std::cos(phi_rad) - forward_.y * std::sin(phi_rad);
-  const double tangential = -forward_.y * std::cos(phi_rad) - forward_.z * std::sin(phi_rad);
-  return {around(forward_.x, spread_), around(radial, spread), around(tangential, spread)};
+  const glm::dvec3& forward = camera_.forward;
+  const double radial = forward.z * std::cos(phi_rad) - forward.y * std::sin(phi_rad);
+  const double tangential = -forward.y * std::cos(phi_rad) - forward.z * std::sin(phi_rad);
+  return {around(forward.x, spread_), around(radial, spread), around(tangential, spread)};
 }
 
 /// Largest slope along a ray in a cell, for edges of the sign to be detected.
@@ -294,7 +312,7 @@ CellBits SkippableCells::to_sample() const {
       const ConeOverlap overlap = overlaps_[row_begin + static_cast<std::size_t>(column)];
       if (overlap == ConeOverlap::outside) continue;
       const MacrocellBounds& cell = row_bounds[column];
-      if (overlap == ConeOverlap::border) border[word] |= bit;
+      if (overlap == ConeOverlap::border && may_return_) border[word] |= bit;
       // If some taps of a kernel lie outside the cone, its mean can change faster than the values.
       const bool cut_kernel = kernel_.around_m > 0 && (outermost || overlap == ConeOverlap::border);
       if (detects_ && (cut_kernel || may_hold_surface(cell, along, axis_distance_m(row)))) {

@@ -3,9 +3,9 @@
 #pragma once
 
 #include <cstdint>
-#include <glm/vec3.hpp>
 #include <vector>
 
+#include "render/camera.h"
 #include "render/geometry/slice_geometry.h"
 #include "render/gl/texels.h"
 #include "render/options.h"
@@ -79,12 +79,16 @@ class SkippableCells {
   /// SliceVolume::covered().
   void set_covered(const FrameSpan& covered) { covered_ = covered; }
 
-  /// For each cell ([interval][row][column]), the Chebyshev distance to the nearest cell that must
-  /// be sampled, at most kMaxCellDistance; 0: this one. Cells on the cone's border must be sampled,
-  /// so that a ray detects that it leaves the cone.
+  /// The cells that must be sampled. Those on the cone's border are among them, so that a ray detects
+  /// that it leaves the cone, unless no ray of the view can come back into it.
+  CellBits to_sample() const;
+  /// For each cell ([interval][row][column]), the Chebyshev distance to the nearest of to_sample(),
+  /// at most kMaxCellDistance; 0: this one.
   std::vector<std::uint8_t> distances() const;
 
   const MacrocellGrid& grid() const { return grid_; }
+  const SliceGeometry& geometry() const { return geometry_; }
+  const Camera& camera() const { return camera_; }
   /// False if every cell must be sampled, whatever the slices hold.
   bool can_leap() const { return can_leap_; }
 
@@ -114,7 +118,7 @@ class SkippableCells {
   bool may_hold_surface(const MacrocellBounds& bounds,
                         const Directions& along,
                         double axis_distance_m) const;
-  CellBits to_sample() const;
+  bool rays_may_return() const;
   CellBits dilated(const CellBits& bits, const Reach& reach) const;
 
   SliceGeometry geometry_;
@@ -132,8 +136,9 @@ class SkippableCells {
   Reach buffer_, kernel_;
   std::vector<ConeOverlap> overlaps_;                 ///< [row][column]
   std::vector<std::vector<MacrocellBounds>> bounds_;  ///< [interval][row][column]
-  glm::dvec3 forward_{0, 0, 1};
-  double spread_ = 0;  ///< largest distance of rays' unit directions from `forward_`
+  Camera camera_;
+  double spread_ = 0;  ///< largest distance of rays' unit directions from the camera's `forward`
+  bool may_return_ = true;  ///< rays_may_return()
 };
 
 }  // namespace wobblebench::render

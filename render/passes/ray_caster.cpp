@@ -15,6 +15,8 @@
 #include "base/number_text.h"
 #include "base/units.h"
 #include "render/geometry/ray_sampling.h"
+#include "render/leaping/empty_space.h"
+#include "render/leaping/ray_spans.h"
 
 namespace wobblebench::render {
 namespace {
@@ -22,7 +24,7 @@ namespace {
 /// Instead of infinity, which shaders need not have.
 constexpr double kNoLevel = 1e30;
 
-enum Bindings { kSlices, kMotionTable, kTransfer, kDistances };
+enum Bindings { kSlices, kMotionTable, kTransfer, kDistances, kSpans };
 
 /// Samples of a block where the detector does not say how many.
 constexpr int kBlock = 8;
@@ -72,6 +74,8 @@ Defines defines(const SliceGeometry& geometry, const RenderOptions& options, boo
       .add("BIND_MOTION_TABLE", kMotionTable)
       .add("BIND_TRANSFER", kTransfer)
       .add("BIND_DISTANCES", kDistances)
+      .add("BIND_SPANS", kSpans)
+      .add("TILE", kTilePixels)
       .add("NO_SURFACE", kNoDepth)
       .add("TRANSFER_SIZE", kTransferTableSize)
       .add("FRAMES", geometry.frames())
@@ -170,7 +174,7 @@ FragmentProgram make_program(const Defines& defines, bool leaps_or_blocks) {
 
 RayCaster::RayCaster(const SliceGeometry& geometry,
                      const RenderOptions& options,
-                     const SliceVolume& volume)
+                     SliceVolume& volume)
     : geometry_(geometry), measures_level_(options.ray_casting.detector != Detector::paper) {
   const int size = options.ray_casting.image_size;
   const std::string what = "ray_casting.image_size = " + std::to_string(size);
@@ -182,8 +186,8 @@ RayCaster::RayCaster(const SliceGeometry& geometry,
       "transfer function", TexelFormat::rg32f, {kTransferTableSize, 1}, TextureFilter::linear);
   transfer_.upload(
       TransferFunction(options.ray_casting, step_m(options)).table(kTransferTableSize));
-  const SkippableCells* cells = volume.cells();
-  const bool leaps = cells && cells->can_leap();
+  const EmptySpace* empty_space = volume.empty_space();
+  const bool leaps = empty_space && empty_space->cells().can_leap();
   const bool fits = !counts_loop_turns() || loop_turns(geometry, options, leaps) <= kMostLoopTurns;
   if (!fits) check_loop_turns(loop_turns(geometry, options, false), options);
   ray_cast_ = make_program(defines(geometry, options, leaps && fits), is_fast(options) && fits);
@@ -191,7 +195,7 @@ RayCaster::RayCaster(const SliceGeometry& geometry,
   set_box(options);
   set_cone(volume.pixels());
   is_fast(options) ? set_fan() : set_motion_table();
-  if (leaps && fits) set_macrocells(*cells);
+  if (leaps && fits) set_macrocells(empty_space->cells());
   set_sampling(options);
   check_gl("ray casting: setting up");
 }
@@ -291,10 +295,16 @@ void RayCaster::cast(SliceVolume& volume) {
   if (measures_level_) ray_cast_.set("threshold", std::min(volume.level(), kNoLevel));
   ray_cast_.set("first_frame", volume.covered().first).set("last_frame", volume.covered().last);
   if (geometry_.is_skewed()) ray_cast_.set("frame_skew", geometry_.frame_skew(volume.sweep));
-  const Texture* distances = volume.distances();
-  const Binding slice_lookup =
-      distances ? Binding{kDistances, distances} : Binding{kMotionTable, &motion_table_};
-  ray_cast_.draw(target_, {{kSlices, &volume.slices()}, slice_lookup, {kTransfer, &transfer_}});
+  const Binding slices{kSlices, &volume.slices()}, transfer{kTransfer, &transfer_};
+  if (EmptySpace* empty_space = volume.empty_space()) {
+    ray_cast_.draw(target_,
+                   {slices,
+                    transfer,
+                    {kDistances, &empty_space->distances()},
+                    {kSpans, &empty_space->spans()}});
+  } else {
+    ray_cast_.draw(target_, {slices, transfer, {kMotionTable, &motion_table_}});
+  }
   check_gl("ray casting");
 }
 

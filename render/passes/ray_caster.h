@@ -23,7 +23,7 @@ namespace wobblebench::render {
 class RayCaster {
  public:
   /// For `volume` and all others of its factory.
-  RayCaster(const SliceGeometry& geometry, const RenderOptions& options, const SliceVolume& volume);
+  RayCaster(const SliceGeometry& geometry, const RenderOptions& options, SliceVolume& volume);
 
   /// Another view with the same projection.
   void set_view(const RenderOptions& options);

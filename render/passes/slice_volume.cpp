@@ -53,8 +53,7 @@ class FastVolume : public SliceVolume {
   }
   const Texture& slices() const override { return slices_.texture(); }
   Region pixels() const override { return slices_.region(); }
-  const SkippableCells* cells() const override { return &empty_space_.cells(); }
-  const Texture* distances() override { return &empty_space_.distances(); }
+  EmptySpace* empty_space() override { return &empty_space_; }
   void set_view(const RenderOptions& options) override { empty_space_.set_view(options); }
   void set_options(const RenderOptions& options) override {
     empty_space_.set_cells({plan_, geometry_, options, slices_.region()});

@@ -8,7 +8,7 @@
 #include "base/image.h"
 #include "render/geometry/slice_geometry.h"
 #include "render/gl/objects.h"
-#include "render/leaping/skippable_cells.h"
+#include "render/leaping/empty_space.h"
 #include "render/reconstruction/frame_store.h"
 
 namespace wobblebench::render {
@@ -30,10 +30,8 @@ class SliceVolume {
   /// A slice's stored pixels, read from the GPU.
   Image<float> download_slice(int frame) const;
 
-  /// Skippable cells and their distance texture (SkippableCells::distances()) in mode fast; else
-  /// null.
-  virtual const SkippableCells* cells() const { return nullptr; }
-  virtual const Texture* distances() { return nullptr; }
+  /// What rays can leap over, in mode fast; else null.
+  virtual EmptySpace* empty_space() { return nullptr; }
   /// Which cells are skippable depends on the view …
   virtual void set_view(const RenderOptions&) {}
   /// … and on the settings of pass 2. Only for settings with same_slices().

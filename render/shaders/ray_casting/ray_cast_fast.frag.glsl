@@ -63,6 +63,7 @@ bool process_block(inout March march, int begin, int count) {
 }
 
 layout(binding = BIND_DISTANCES) uniform sampler3D distances;  // SkippableCells::distances()
+layout(binding = BIND_SPANS) uniform sampler2D spans;          // ray_spans()
 
 uniform vec2 cell_origin_m, cell_m;   // (x, depth)
 uniform vec2 fan_side_1, fan_side_2;  // inward normals over (y, z - axis)
@@ -144,19 +145,23 @@ void main() {
   if (count <= 0) return;
   int next = 0;
 #if LEAPS
-  vec2 field = clip_to_field(march.ray, vec2(0.0, 1e30)) - march.start_m;
-  next = int(clamp(field.x / step_m - 1.0, 0.0, MAX_STEPS));
-  count = min(count, int(clamp(field.y / step_m + 2.0, 0.0, MAX_STEPS)));
+  vec2 span = texelFetch(spans, ivec2(gl_FragCoord.xy) / TILE, 0).rg;
+  span = clip_to_field(march.ray, span) - march.start_m;
+  next = int(clamp(span.x / step_m - 1.0, 0.0, MAX_STEPS));
+  count = min(count, int(clamp(span.y / step_m + 2.0, 0.0, MAX_STEPS)));
+  if (next >= count) return;
 #endif
+  // Loops test at their end: a software driver runs the body of a loop that tests at its begin once
+  // more, for no pixel.
   bool ended = false;
-  while (next < count && !ended) {
+  do {
 #if LEAPS
     // A separate loop, so that rays that run in parallel leap together and then sample together.
-    int leap = 1;
-    while (leap > 0 && next < count) {
+    int leap;
+    do {
       leap = leap_from(march.ray, sample_position(march, next));
       next += leap;
-    }
+    } while (leap > 0 && next < count);
     if (leap > 0) break;
 #endif
     // `next` must be sampled: fill kernel and detector from the REFILL steps before, which also
@@ -166,17 +171,19 @@ void main() {
     first -= first % FIRST_STEP_MULTIPLE;
 #if BLOCKS
     empty_block();
-    for (int begin = first; begin < count && !ended; begin += BLOCK) {
-      ended = process_block(march, begin, count);
-      next = begin + BLOCK;
+    int steps;
+    next = first;
+    do {
+      ended = process_block(march, next, count);
+      next += BLOCK;
+      steps = 0;
 #if LEAPS
-      int steps = leap_from(march.ray, sample_position(march, next));
-      if (steps >= MIN_LEAP) {
-        next += steps;
-        break;
-      }
+      steps = leap_from(march.ray, sample_position(march, next));
+      if (steps < MIN_LEAP) steps = 0;
 #endif
-    }
+      ended = ended || next >= count;
+    } while (steps == 0 && !ended);
+    next += steps;
 #else
     empty_kernel();
     empty_buffer();
@@ -201,5 +208,6 @@ void main() {
 #endif
     }
 #endif
-  }
+    ended = ended || next >= count;
+  } while (!ended);
 }
