@@ -4,16 +4,26 @@
 // Without a kernel along the ray: edge detection and blending of BLOCK samples at a time. The loop
 // overhead, on a CPU as large as a fetch, is shared by them.
 
-// Whether a block's samples are inside the cone; fetches them.
+// Slice coordinates of the first step of the next block, and its position.
+vec3 block_slice, block_position;
+
+void move_to_block(March march, int begin) {
+  float phi;
+  block_position = sample_position(march, begin);
+  block_slice = slice_coordinates(block_position, phi);
+}
+
+// Whether a block's samples are inside the cone; fetches them. Moves on to the next block.
 void fetch_block(March march, int begin, out bool inside[BLOCK]) {
 #if STRAIGHT
   // Slice coordinates follow a parabola through those of the block's ends and middle.
   float phi;
-  vec3 first = slice_coordinates(sample_position(march, begin), phi);
-  vec3 last = slice_coordinates(sample_position(march, begin + BLOCK), phi);
-  vec3 middle_position =
-      0.5 * (sample_position(march, begin) + sample_position(march, begin + BLOCK));
-  vec3 middle = slice_coordinates(middle_position, phi);
+  vec3 first = block_slice, begin_position = block_position;
+  move_to_block(march, begin + BLOCK);
+  vec3 last = block_slice;
+  vec3 middle = slice_coordinates(0.5 * (begin_position + block_position), phi);
+#else
+  move_to_block(march, begin + BLOCK);
 #endif
   for (int j = 0; j < BLOCK; ++j) {
 #if STRAIGHT
@@ -104,10 +114,9 @@ vec2 clip_to_field(Ray ray, vec2 span) {
   return span;
 }
 
-// Number of steps that a ray can skip from this position; 0: this position must be sampled.
-int leap_from(Ray ray, vec3 position) {
-  bool inside_cone;
-  vec3 slice = to_slices(position, inside_cone);
+// Number of steps that a ray can skip from this position, of these slice coordinates; 0: this position
+// must be sampled.
+int leap_from(Ray ray, vec3 position, vec3 slice) {
   vec3 cell = vec3((slice.xy - cell_origin_m) / cell_m, slice.z);
   ivec3 index = ivec3(floor(cell)), size = textureSize(distances, 0);
   if (any(lessThan(index, ivec3(0))) || any(greaterThanEqual(index, size))) return 1;
@@ -139,6 +148,12 @@ int leap_from(Ray ray, vec3 position) {
   return 1 + int(clamp(reach / step_m - 1e-3, 0.0, MAX_STEPS));
 }
 
+int leap_from(March march, int step) {
+  float phi;
+  vec3 position = sample_position(march, step);
+  return leap_from(march.ray, position, slice_coordinates(position, phi));
+}
+
 void main() {
   March march;
   int count = begin_pixel(march);
@@ -159,7 +174,7 @@ void main() {
     // A separate loop, so that rays that run in parallel leap together and then sample together.
     int leap;
     do {
-      leap = leap_from(march.ray, sample_position(march, next));
+      leap = leap_from(march, next);
       next += leap;
     } while (leap > 0 && next < count);
     if (leap > 0) break;
@@ -173,12 +188,13 @@ void main() {
     empty_block();
     int steps;
     next = first;
+    move_to_block(march, next);
     do {
       ended = process_block(march, next, count);
       next += BLOCK;
       steps = 0;
 #if LEAPS
-      steps = leap_from(march.ray, sample_position(march, next));
+      steps = leap_from(march.ray, block_position, block_slice);
       if (steps < MIN_LEAP) steps = 0;
 #endif
       ended = ended || next >= count;
@@ -199,7 +215,7 @@ void main() {
 #if LEAPS
       if (current == next_leap_test) {
         next_leap_test += STEPS_BETWEEN_LEAP_TESTS;
-        int steps = leap_from(march.ray, sample_position(march, current + 1));
+        int steps = leap_from(march, current + 1);
         if (steps >= MIN_LEAP) {
           next = current + 1 + steps;
           break;
