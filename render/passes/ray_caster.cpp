@@ -150,6 +150,18 @@ void check_loop_turns(double turns, const RenderOptions& options) {
       ": take fewer steps, a smaller window_2d or kernel_3d, or a deeper volume of interest");
 }
 
+/// The table of the transfer function, each entry with the next.
+std::vector<float> transfer_pairs(const RenderOptions& options) {
+  const auto table =
+      TransferFunction(options.ray_casting, step_m(options)).table(kTransferTableSize);
+  std::vector<float> pairs;
+  for (std::size_t entry = 0; entry < table.size(); entry += 2) {
+    const std::size_t next = std::min(entry + 2, table.size() - 2);
+    pairs.insert(pairs.end(), {table[entry], table[entry + 1], table[next], table[next + 1]});
+  }
+  return pairs;
+}
+
 FragmentProgram make_program(const Defines& defines, bool leaps_or_blocks) {
   if (leaps_or_blocks) {
     return FragmentProgram({"ray.glsl",
@@ -183,9 +195,8 @@ RayCaster::RayCaster(const SliceGeometry& geometry,
   const bool blends = options.ray_casting.mode != RenderMode::surface;
   target_ = blends ? Framebuffer({&depth_, &color_}) : Framebuffer({&depth_});
   transfer_ = Texture(
-      "transfer function", TexelFormat::rg32f, {kTransferTableSize, 1}, TextureFilter::linear);
-  transfer_.upload(
-      TransferFunction(options.ray_casting, step_m(options)).table(kTransferTableSize));
+      "transfer function", TexelFormat::rgba32f, {kTransferTableSize, 1}, TextureFilter::nearest);
+  transfer_.upload(transfer_pairs(options));
   const EmptySpace* empty_space = volume.empty_space();
   const bool leaps = empty_space && empty_space->cells().can_leap();
   const bool fits = !counts_loop_turns() || loop_turns(geometry, options, leaps) <= kMostLoopTurns;

@@ -22,14 +22,14 @@ void fetch_block(March march, int begin, out bool inside[BLOCK]) {
   move_to_block(march, begin + BLOCK);
   vec3 last = block_slice;
   vec3 middle = slice_coordinates(0.5 * (begin_position + block_position), phi);
+  vec3 slope = 4.0 * middle - 3.0 * first - last, curvature = 2.0 * (first + last - 2.0 * middle);
 #else
   move_to_block(march, begin + BLOCK);
 #endif
   for (int j = 0; j < BLOCK; ++j) {
 #if STRAIGHT
     float t = float(j) / float(BLOCK);
-    vec3 slice = (1.0 - t) * (1.0 - 2.0 * t) * first + 4.0 * t * (1.0 - t) * middle +
-                 t * (2.0 * t - 1.0) * last;
+    vec3 slice = first + t * (slope + t * curvature);
     inside[j] = in_sector(slice) && in_fan(slice.z, 0.0);
 #else
     bool in_cone;
@@ -41,32 +41,48 @@ void fetch_block(March march, int begin, out bool inside[BLOCK]) {
   }
 }
 
+#if DETECT
+// State of the detector at the sample where it found the surface.
+struct Found {
+  int step, taken;
+  float difference, last_difference;
+};
+Found found;
+
+// The edge becomes z.
+void place_surface(March march) {
+  taken = found.taken;
+  difference = found.difference;
+  last_difference = found.last_difference;
+  z = march.start_m + (float(found.step) + 0.5 - steps_past_crossing()) * step_m;
+}
+#endif
+
 // Processes the samples of steps `begin` to `begin` + BLOCK - 1, at most `count` - 1; true if the
-// ray ends among them.
+// ray ends among them. A software driver takes both ways of each branch: what need not be done for
+// every sample waits for place_surface().
 bool process_block(inout March march, int begin, int count) {
   bool inside[BLOCK];
   fetch_block(march, begin, inside);
   bool ended = false;
   for (int j = 0; j < BLOCK; ++j) {
     bool left = STOP_ON_LEAVING_CONE != 0 && march.was_inside && !inside[j];
-    ended = ended || begin + j >= count || left;
-    if (!ended) {
-      march.was_inside = march.was_inside || inside[j];
+    ended = ended || j >= count - begin || left;
+    march.was_inside = march.was_inside || inside[j];
 #if DETECT
-      bool reached = reaches_surface_in_block(inside[j], j);
-      if (march.detecting && reached) {  // the edge becomes z
-        z = march.start_m + (float(begin + j) + 0.5 - steps_past_crossing()) * step_m;
-        march.detecting = false;
-      }
+    bool reached = reaches_surface_in_block(inside[j], j);
+    if (reached && march.detecting && !ended) {
+      found = Found(begin + j, taken, difference, last_difference);
+      march.detecting = false;
+    }
 #endif
 #if BLEND
-      if (march.blending && inside[j]) {
-        blend(newer[j]);
-        march.blending = color.a < opacity_limit;
-      }
-#endif
-      ended = !march.detecting && !march.blending;
+    if (march.blending && inside[j] && !ended) {
+      blend(newer[j]);
+      march.blending = color.a < opacity_limit;
     }
+#endif
+    ended = ended || !(march.detecting || march.blending);
   }
   end_block();
   return ended;
@@ -166,17 +182,19 @@ void main() {
   count = min(count, int(clamp(span.y / step_m + 2.0, 0.0, MAX_STEPS)));
   if (next >= count) return;
 #endif
-  // Loops test at their end: a software driver runs the body of a loop that tests at its begin once
-  // more, for no pixel.
+  // Loops test at their begin and again at their end. With the first test alone, llvmpipe runs the
+  // body once more for no pixel; with the last alone, what a pixel has when it leaves the loop can
+  // change while the pixels beside it go on (Mesa 22.3).
   bool ended = false;
-  do {
+  while (next < count) {
 #if LEAPS
     // A separate loop, so that rays that run in parallel leap together and then sample together.
-    int leap;
-    do {
+    int leap = 1;
+    while (next < count) {
       leap = leap_from(march, next);
       next += leap;
-    } while (leap > 0 && next < count);
+      if (leap == 0 || next >= count) break;
+    }
     if (leap > 0) break;
 #endif
     // `next` must be sampled: fill kernel and detector from the REFILL steps before, which also
@@ -186,20 +204,19 @@ void main() {
     first -= first % FIRST_STEP_MULTIPLE;
 #if BLOCKS
     empty_block();
-    int steps;
     next = first;
     move_to_block(march, next);
-    do {
+    while (next < count) {
       ended = process_block(march, next, count);
       next += BLOCK;
-      steps = 0;
+      bool leaps = false;
 #if LEAPS
-      steps = leap_from(march.ray, block_position, block_slice);
-      if (steps < MIN_LEAP) steps = 0;
+      int steps = leap_from(march.ray, block_position, block_slice);
+      leaps = steps >= MIN_LEAP;
+      if (leaps) next += steps;
 #endif
-      ended = ended || next >= count;
-    } while (steps == 0 && !ended);
-    next += steps;
+      if (ended || leaps || next >= count) break;
+    }
 #else
     empty_kernel();
     empty_buffer();
@@ -224,6 +241,9 @@ void main() {
 #endif
     }
 #endif
-    ended = ended || next >= count;
-  } while (!ended);
+    if (ended || next >= count) break;
+  }
+#if BLOCKS && DETECT
+  if (!march.detecting) place_surface(march);
+#endif
 }

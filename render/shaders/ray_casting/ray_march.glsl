@@ -1,6 +1,6 @@
 // Pass 2, shared: the march along a pixel's ray. process_sample() is where an edge becomes z (edge
 // detection, Eq. (1)) and where samples are alpha-blended, front to back.
-layout(binding = BIND_TRANSFER) uniform sampler2D transfer;
+layout(binding = BIND_TRANSFER) uniform sampler2D transfer;  // of an entry and of the next
 
 uniform float opacity_limit;
 
@@ -41,11 +41,18 @@ vec3 sample_position(March march, int step) {
   return march.ray.origin + (march.start_m + (float(step) + 0.5) * step_m) * march.ray.direction;
 }
 
+// Grey and opacity of a value, linear between the table's entries, of which the first and the last
+// hold the values 0 and 1. Each entry comes with the next: a driver's own filter fetches four.
+vec2 transfer_at(float value) {
+  float position = clamp(value, 0.0, 1.0) * float(TRANSFER_SIZE - 1);
+  float entry = floor(position);
+  vec4 both = textureLod(transfer, vec2((entry + 0.5) / float(TRANSFER_SIZE), 0.5), 0.0);
+  return mix(both.rg, both.ba, position - entry);
+}
+
 // Alpha blending, front to back, through the transfer function.
 void blend(float value) {
-  // First and last entries of the table hold the values 0 and 1.
-  float u = (value * float(TRANSFER_SIZE - 1) + 0.5) / float(TRANSFER_SIZE);
-  vec2 grey_and_opacity = textureLod(transfer, vec2(u, 0.5), 0.0).rg;
+  vec2 grey_and_opacity = transfer_at(value);
   float weight = (1.0 - color.a) * grey_and_opacity.g;
   color += vec4(vec3(weight * grey_and_opacity.r), weight);
 }
