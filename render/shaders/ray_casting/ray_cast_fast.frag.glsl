@@ -100,6 +100,8 @@ uniform float x_max_m;
 // refilling the detector for.
 const int STEPS_BETWEEN_LEAP_TESTS = 4;
 const int MIN_LEAP = REFILL + FIRST_STEP_MULTIPLE + 1;
+// Distance in cells from which on a leap is likely to be that long: its length is then computed.
+const float MIN_RADIUS = 2.0;
 const float MAX_STEPS = 1e6;  // exactly an integer in float
 
 // Clips a span of a ray to the region that can hold data: between the fan's sides, within
@@ -130,13 +132,24 @@ vec2 clip_to_field(Ray ray, vec2 span) {
   return span;
 }
 
+vec3 to_cells(vec3 slice) {
+  return vec3((slice.xy - cell_origin_m) / cell_m, slice.z);
+}
+
+// Distance from a cell to the nearest one that must be sampled; negative outside the grid.
+float cells_to_sampled(ivec3 index) {
+  ivec3 size = textureSize(distances, 0);
+  if (any(lessThan(index, ivec3(0))) || any(greaterThanEqual(index, size))) return -1.0;
+  return floor(texelFetch(distances, index, 0).r * 255.0 + 0.5);
+}
+
 // Number of steps that a ray can skip from this position, of these slice coordinates; 0: this position
 // must be sampled.
 int leap_from(Ray ray, vec3 position, vec3 slice) {
-  vec3 cell = vec3((slice.xy - cell_origin_m) / cell_m, slice.z);
-  ivec3 index = ivec3(floor(cell)), size = textureSize(distances, 0);
-  if (any(lessThan(index, ivec3(0))) || any(greaterThanEqual(index, size))) return 1;
-  float radius = floor(texelFetch(distances, index, 0).r * 255.0 + 0.5);
+  vec3 cell = to_cells(slice);
+  ivec3 index = ivec3(floor(cell));
+  float radius = cells_to_sampled(index);
+  if (radius < 0.0) return 1;
   if (radius == 0.0) return 0;
 
   // To the border of the block of skippable cells: radius - 1 of them on each side of this one.
@@ -211,9 +224,8 @@ void main() {
       next += BLOCK;
       bool leaps = false;
 #if LEAPS
-      int steps = leap_from(march.ray, block_position, block_slice);
-      leaps = steps >= MIN_LEAP;
-      if (leaps) next += steps;
+      float radius = cells_to_sampled(ivec3(floor(to_cells(block_slice))));
+      leaps = radius < 0.0 || radius >= MIN_RADIUS;
 #endif
       if (ended || leaps || next >= count) break;
     }
