@@ -6,6 +6,8 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 
+#include "base/parallel.h"
+
 namespace wobblebench::render {
 namespace {
 
@@ -132,6 +134,13 @@ class Tiles {
     add(on_plane(box[0]), on_plane(box[1]), length_m);
   }
 
+  void unite(const Tiles& other) {
+    for (std::size_t i = 0; i < spans_.size(); ++i) {
+      spans_[i] = {std::min(spans_[i][0], other.spans_[i][0]),
+                   std::max(spans_[i][1], other.spans_[i][1])};
+    }
+  }
+
   std::vector<float> values() const {
     std::vector<float> all;
     for (const auto& span : spans_) all.insert(all.end(), span.begin(), span.end());
@@ -175,18 +184,24 @@ std::vector<float> ray_spans(const CellBits& set,
                              const SliceGeometry& geometry,
                              const Camera& camera) {
   const CellBoxes boxes(grid, geometry, camera);
-  Tiles tiles(camera);
-  for (int interval = 0; interval < grid.intervals; ++interval) {
-    for (int row = 0; row < grid.rows; ++row) {
-      std::uint64_t cells = set[static_cast<std::size_t>(interval * grid.rows + row)];
-      if (cells == 0) continue;
-      const Box row_box = boxes.row(interval, row);
-      for (; cells != 0; cells &= cells - 1) {
-        tiles.add(row_box + boxes.column(std::countr_zero(cells)));
+  // Each part of the intervals has tiles of its own.
+  constexpr int kParts = 4;
+  std::vector<Tiles> parts(kParts, Tiles(camera));
+  parallel_rows(kParts, [&](int part) {
+    Tiles& tiles = parts[static_cast<std::size_t>(part)];
+    for (int interval = part; interval < grid.intervals; interval += kParts) {
+      for (int row = 0; row < grid.rows; ++row) {
+        std::uint64_t cells = set[static_cast<std::size_t>(interval * grid.rows + row)];
+        if (cells == 0) continue;
+        const Box row_box = boxes.row(interval, row);
+        for (; cells != 0; cells &= cells - 1) {
+          tiles.add(row_box + boxes.column(std::countr_zero(cells)));
+        }
       }
     }
-  }
-  return tiles.values();
+  });
+  for (const Tiles& part : parts) parts.front().unite(part);
+  return parts.front().values();
 }
 
 }  // namespace wobblebench::render

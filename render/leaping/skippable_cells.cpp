@@ -4,6 +4,7 @@
 #include <bit>
 #include <cmath>
 
+#include "base/parallel.h"
 #include "render/camera.h"
 #include "render/geometry/ray_sampling.h"
 
@@ -265,7 +266,7 @@ CellBits SkippableCells::dilated(const CellBits& bits, const Reach& reach) const
                      std::max(component.high, 0.0) * reach.upstream_m + reach.around_m);
   };
   CellBits dilated_bits(bits.size(), 0);
-  for (int interval = 0; interval < intervals; ++interval) {
+  parallel_rows(intervals, [&](int interval) {
     for (int row = 0; row < rows; ++row) {
       const double distance_m = axis_distance_m(row), length_m = reach.upstream_m + reach.around_m;
       const double nearest_m = std::max(distance_m - length_m, 1e-3 * distance_m);
@@ -291,45 +292,52 @@ CellBits SkippableCells::dilated(const CellBits& bits, const Reach& reach) const
               row_bits, whole_cells(right_m / cell_x_m), whole_cells(left_m / cell_x_m)) &
           column_mask(grid_);
     }
-  }
+  });
   return dilated_bits;
+}
+
+/// Sets the bits of a row of cells.
+void SkippableCells::classify(int interval, int row, Classes& classes) const {
+  const auto word = static_cast<std::size_t>(interval * grid_.rows + row);
+  const auto row_begin = static_cast<std::size_t>(row) * static_cast<std::size_t>(grid_.columns);
+  const MacrocellBounds* row_bounds =
+      bounds_[static_cast<std::size_t>(interval)].data() + row_begin;
+  const Directions along = directions(interval, 0);
+  const bool outermost = interval <= covered_.first || interval + 1 >= covered_.last;
+  for (int column = 0; column < grid_.columns; ++column) {
+    const std::uint64_t bit = std::uint64_t{1} << column;
+    const ConeOverlap overlap = overlaps_[row_begin + static_cast<std::size_t>(column)];
+    if (overlap == ConeOverlap::outside) continue;
+    const MacrocellBounds& cell = row_bounds[column];
+    if (overlap == ConeOverlap::border && may_return_) classes.border[word] |= bit;
+    // If some taps of a kernel lie outside the cone, its mean can change faster than the values.
+    const bool cut_kernel = kernel_.around_m > 0 && (outermost || overlap == ConeOverlap::border);
+    if (detects_ && (cut_kernel || may_hold_surface(cell, along, axis_distance_m(row)))) {
+      classes.steep[word] |= bit;
+    }
+    if (static_cast<double>(cell.high) >= least_bright_value_) classes.bright[word] |= bit;
+    if (is_visible(cell.low, cell.high)) classes.visible[word] |= bit;
+  }
 }
 
 CellBits SkippableCells::to_sample() const {
   const std::size_t words =
       static_cast<std::size_t>(grid_.rows) * static_cast<std::size_t>(grid_.intervals);
-  CellBits steep(words, 0), bright(words, 0), visible(words, 0), border(words, 0);
-  for (std::size_t word = 0; word < words; ++word) {
-    const int interval = static_cast<int>(word) / grid_.rows;
-    const int row = static_cast<int>(word) % grid_.rows;
-    const Directions along = directions(interval, 0);
-    const bool outermost = interval <= covered_.first || interval + 1 >= covered_.last;
-    const auto row_begin = static_cast<std::size_t>(row) * static_cast<std::size_t>(grid_.columns);
-    const MacrocellBounds* row_bounds =
-        bounds_[static_cast<std::size_t>(interval)].data() + row_begin;
-    for (int column = 0; column < grid_.columns; ++column) {
-      const std::uint64_t bit = std::uint64_t{1} << column;
-      const ConeOverlap overlap = overlaps_[row_begin + static_cast<std::size_t>(column)];
-      if (overlap == ConeOverlap::outside) continue;
-      const MacrocellBounds& cell = row_bounds[column];
-      if (overlap == ConeOverlap::border && may_return_) border[word] |= bit;
-      // If some taps of a kernel lie outside the cone, its mean can change faster than the values.
-      const bool cut_kernel = kernel_.around_m > 0 && (outermost || overlap == ConeOverlap::border);
-      if (detects_ && (cut_kernel || may_hold_surface(cell, along, axis_distance_m(row)))) {
-        steep[word] |= bit;
-      }
-      if (static_cast<double>(cell.high) >= least_bright_value_) bright[word] |= bit;
-      if (is_visible(cell.low, cell.high)) visible[word] |= bit;
-    }
-  }
-  steep = dilated(steep, buffer_);
+  const CellBits none(words, 0);
+  Classes cells{none, none, none, none};
+  parallel_rows(grid_.intervals, [&](int interval) {
+    for (int row = 0; row < grid_.rows; ++row) classify(interval, row, cells);
+  });
+  cells.steep = dilated(cells.steep, buffer_);
   if (detector_ == Detector::paper && least_bright_value_ > 0) {
-    bright = dilated(bright, buffer_);
-    for (std::size_t word = 0; word < words; ++word) steep[word] &= bright[word];
+    cells.bright = dilated(cells.bright, buffer_);
+    for (std::size_t word = 0; word < words; ++word) cells.steep[word] &= cells.bright[word];
   }
-  visible = dilated(visible, kernel_);
-  for (std::size_t word = 0; word < words; ++word) border[word] |= steep[word] | visible[word];
-  return border;
+  cells.visible = dilated(cells.visible, kernel_);
+  for (std::size_t word = 0; word < words; ++word) {
+    cells.border[word] |= cells.steep[word] | cells.visible[word];
+  }
+  return cells.border;
 }
 
 std::vector<std::uint8_t> SkippableCells::distances() const {

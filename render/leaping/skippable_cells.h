@@ -108,6 +108,12 @@ class SkippableCells {
   /// Position of a cell relative to the cone of valid data.
   enum class ConeOverlap : std::uint8_t { inside, border, outside };
 
+  /// Cells of each kind: where an edge may be, where samples are bright enough for one, where
+  /// something is visible, and on the border of the cone.
+  struct Classes {
+    CellBits steep, bright, visible, border;
+  };
+
   ConeOverlap cone_overlap(int column, int row) const;
   double axis_distance_m(int row) const;
   Directions directions(int interval, double margin_rad) const;
@@ -119,6 +125,7 @@ class SkippableCells {
                         const Directions& along,
                         double axis_distance_m) const;
   bool rays_may_return() const;
+  void classify(int interval, int row, Classes& classes) const;
   CellBits dilated(const CellBits& bits, const Reach& reach) const;
 
   SliceGeometry geometry_;
