@@ -136,4 +136,7 @@ struct LayerGroup {
   int count = 0;
 };
 
+/// Groups that a draw makes at most: enough to hide its fixed cost.
+inline constexpr int kGroupsPerBatch = 6;
+
 }  // namespace wobblebench::render

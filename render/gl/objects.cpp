@@ -255,7 +255,17 @@ std::vector<float> Texture::download() const {
 }
 
 std::vector<float> Texture::download_layer(int layer) const {
-  std::vector<float> texels(values() / static_cast<std::size_t>(extent_.depth));
+  return download_part(layer, extent_.height);
+}
+
+std::vector<float> Texture::download_rows(int rows) const {
+  return download_part(0, rows);
+}
+
+std::vector<float> Texture::download_part(int layer, int rows) const {
+  std::vector<float> texels(static_cast<std::size_t>(extent_.width) *
+                            static_cast<std::size_t>(rows) *
+                            static_cast<std::size_t>(channels(format_)));
   glPixelStorei(GL_PACK_ALIGNMENT, 1);
   glGetTextureSubImage(id(),
                        0,
@@ -263,7 +273,7 @@ std::vector<float> Texture::download_layer(int layer) const {
                        0,
                        layer,
                        extent_.width,
-                       extent_.height,
+                       rows,
                        1,
                        info(format_).transfer,
                        GL_FLOAT,
@@ -272,7 +282,7 @@ std::vector<float> Texture::download_layer(int layer) const {
   return texels;
 }
 
-Framebuffer::Framebuffer(std::initializer_list<const Texture*> attachments) {
+Framebuffer::Framebuffer(const std::vector<const Texture*>& attachments) {
   GLuint id = 0;
   glCreateFramebuffers(1, &id);
   name_ = GlName<delete_framebuffer>(id);
@@ -280,7 +290,7 @@ Framebuffer::Framebuffer(std::initializer_list<const Texture*> attachments) {
   for (const Texture* texture : attachments) {
     glNamedFramebufferTexture(id, slot++, texture->id(), 0);
   }
-  finish((*attachments.begin())->extent(), static_cast<int>(attachments.size()));
+  finish(attachments.front()->extent(), static_cast<int>(attachments.size()));
 }
 
 Framebuffer Framebuffer::of_layers(const std::vector<Layer>& layers) {

@@ -84,6 +84,8 @@ class Texture {
   [[nodiscard]] std::vector<float> download() const;
   /// The same for one layer.
   [[nodiscard]] std::vector<float> download_layer(int layer) const;
+  /// The same for the first rows of a 2D texture.
+  [[nodiscard]] std::vector<float> download_rows(int rows) const;
 
   void set_filter(TextureFilter filter) const;
   TextureFilter filter() const;
@@ -95,6 +97,7 @@ class Texture {
 
  private:
   std::size_t values() const;
+  std::vector<float> download_part(int layer, int rows) const;
   void upload_as(unsigned type, const void* data, std::size_t count);
   void upload_layer_as(int layer, unsigned type, const void* data, std::size_t count);
 
@@ -108,7 +111,7 @@ class Texture {
 class Framebuffer {
  public:
   Framebuffer() = default;
-  Framebuffer(std::initializer_list<const Texture*> attachments);
+  explicit Framebuffer(const std::vector<const Texture*>& attachments);
   /// Single layers of 3D textures or arrays, one per attachment.
   struct Layer {
     const Texture* texture = nullptr;

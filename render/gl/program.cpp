@@ -173,7 +173,13 @@ FragmentProgram& FragmentProgram::set(const std::string& name, const std::vector
 
 void FragmentProgram::draw(const Framebuffer& target,
                            std::initializer_list<Binding> bindings) const {
-  bind(target, bindings, {0, 0, target.width(), target.height()});
+  draw_region(target, bindings, {0, 0, target.width(), target.height()});
+}
+
+void FragmentProgram::draw_region(const Framebuffer& target,
+                                  std::initializer_list<Binding> bindings,
+                                  const Region& region) const {
+  bind(target, bindings, region);
   glDrawArrays(GL_TRIANGLES, 0, 3);
   if (counter_) count_fetches(target, bindings);
 }

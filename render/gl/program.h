@@ -132,6 +132,10 @@ class FragmentProgram {
 
   /// Draws over the whole framebuffer.
   void draw(const Framebuffer& target, std::initializer_list<Binding> bindings) const;
+  /// Draws over a region of the framebuffer.
+  void draw_region(const Framebuffer& target,
+                   std::initializer_list<Binding> bindings,
+                   const Region& region) const;
   /// Draws over a region of several layers of Framebuffer::of_all_layers(), each from its source
   /// layer, in as few draws as possible: on llvmpipe a draw waits for the one before.
   void draw_layers(const Framebuffer& target,

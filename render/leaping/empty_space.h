@@ -1,23 +1,23 @@
-// Mode fast: the map of skippable cells on the GPU, for empty-space leaping.
+// Mode fast: what rays can leap over, as textures.
 #pragma once
 
 #include <vector>
 
 #include "render/geometry/slice_geometry.h"
-#include "render/gl/program.h"
+#include "render/gl/objects.h"
+#include "render/leaping/cell_bounds.h"
 #include "render/leaping/skippable_cells.h"
 
 namespace wobblebench::render {
 
-/// Computes bounds of the cells of slices that change on the GPU, and from them the texture of
-/// distances, on demand.
+/// Skippable cells of a volume, and from them, on demand, the textures that rays read.
 class EmptySpace {
  public:
-  /// `bounds_program`: shared by the volumes of one grid, made by the first; must outlive them.
-  EmptySpace(SkippableCells cells, FragmentProgram& bounds_program);
+  /// `bounds`: shared by the volumes of one grid; must outlive them.
+  EmptySpace(SkippableCells cells, CellBoundsPass& bounds);
 
-  /// Computes the bounds of layers that have changed; arguments as GroupCallback.
-  void update_bounds(const Texture& slices, int index, const LayerGroup& layers);
+  /// Measures the layers that have changed; arguments as GroupsCallback.
+  void update_bounds(const Texture& slices, const std::vector<LayerGroup>& groups);
   /// Cells of the same slices for other settings of rays.
   void set_cells(SkippableCells cells);
   void set_view(const RenderOptions& options);
@@ -35,11 +35,9 @@ class EmptySpace {
   void refresh();
 
   SkippableCells cells_;
-  Texture values_and_x_, depth_and_frame_;  ///< bounds of cells, one layer per interval
+  CellBoundsPass& bounds_;
   Texture distances_, spans_;
-  FragmentProgram& bounds_program_;
-  std::vector<bool> outdated_;  ///< per interval: bounds not yet passed to `cells_`
-  bool changed_ = true;         ///< `distances_` and `spans_` are out of date
+  bool changed_ = true;  ///< `distances_` and `spans_` are out of date
 };
 
 }  // namespace wobblebench::render

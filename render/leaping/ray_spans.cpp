@@ -109,9 +109,9 @@ class CellBoxes {
 /// The spans of a picture's tiles, to which boxes are added.
 class Tiles {
  public:
-  explicit Tiles(const Camera& camera)
-      : camera_(camera), side_(tiles_per_side(camera.image_size)) {
-    spans_.assign(static_cast<std::size_t>(side_) * static_cast<std::size_t>(side_), {1e30f, -1.0f});
+  explicit Tiles(const Camera& camera) : camera_(camera), side_(tiles_per_side(camera.image_size)) {
+    spans_.assign(static_cast<std::size_t>(side_) * static_cast<std::size_t>(side_),
+                  {1e30f, -1.0f});
   }
 
   void add(const Box& box) {

@@ -71,6 +71,8 @@ class SkippableCells {
 
   /// Bounds of one interval, [row][column]; initially zeros.
   void set_bounds(int interval, std::vector<MacrocellBounds> bounds);
+  /// Those of cells of the same grid, which are left without.
+  void take_bounds(SkippableCells& other) { bounds_ = std::move(other.bounds_); }
   /// Slopes along rays and the cells that a buffer covers depend on the direction of the rays.
   void set_view(const RenderOptions& options);
   /// Detector::iso: the surface's level. A cell that lies below it holds no rising edge.
@@ -79,8 +81,8 @@ class SkippableCells {
   /// SliceVolume::covered().
   void set_covered(const FrameSpan& covered) { covered_ = covered; }
 
-  /// The cells that must be sampled. Those on the cone's border are among them, so that a ray detects
-  /// that it leaves the cone, unless no ray of the view can come back into it.
+  /// The cells that must be sampled. Those on the cone's border are among them, so that a ray
+  /// detects that it leaves the cone, unless no ray of the view can come back into it.
   CellBits to_sample() const;
   /// For each cell ([interval][row][column]), the Chebyshev distance to the nearest of to_sample(),
   /// at most kMaxCellDistance; 0: this one.

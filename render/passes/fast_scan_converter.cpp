@@ -14,15 +14,6 @@ enum Bindings { kPolarTable, kFrames, kPixels, kRows, kNormaliser };
 constexpr int kSlices = 4;
 constexpr int kPairs = kSlices - 1;
 
-/// Groups per draw: enough to hide the fixed cost of a draw.
-constexpr int kBatch = 6;
-
-Region pixels_that_rays_read(const SliceGeometry& geometry, const RenderOptions& options) {
-  const int size = geometry.slice_size();
-  if (!options.ray_casting.stop_at_box) return {0, 0, size, size};
-  return pixels_within(geometry, options.volume_of_interest, kernel_radius_m(options));
-}
-
 Region with_border(const Region& region, int border) {
   return {region.column - border,
           region.row - border,
@@ -94,6 +85,12 @@ Framebuffer target_of(const LayerGroup& group,
 
 }  // namespace
 
+Region pixels_that_rays_read(const SliceGeometry& geometry, const RenderOptions& options) {
+  const int size = geometry.slice_size();
+  if (!options.ray_casting.stop_at_box) return {0, 0, size, size};
+  return pixels_within(geometry, options.volume_of_interest, kernel_radius_m(options));
+}
+
 SlicePairs::SlicePairs(const SliceGeometry& geometry, const RenderOptions& options)
     : region_(pixels_that_rays_read(geometry, options)) {
   const int pairs = std::max(geometry.frames() - 1, 1);
@@ -107,7 +104,8 @@ SlicePairs::SlicePairs(const SliceGeometry& geometry, const RenderOptions& optio
 FastScanConverter::FastScanConverter(const SliceGeometry& geometry,
                                      const hw::AcquisitionPlan& plan,
                                      const RenderOptions& options)
-    : frames_(geometry.frames()), frame_texture_(plan, options.scan_conversion.format, kBatch) {
+    : frames_(geometry.frames()),
+      frame_texture_(plan, options.scan_conversion.format, kGroupsPerBatch) {
   std::vector<double> weights = slice_weights(options);
   // Without a filter too, pixels next to the sector take the mean of their neighbours in it.
   single_tap_ = weights.size() == 1;
@@ -121,7 +119,7 @@ FastScanConverter::FastScanConverter(const SliceGeometry& geometry,
   polar_table_.upload(table);
   normaliser_ = Texture("slice normaliser", TexelFormat::r32f, pixels, TextureFilter::nearest);
   normaliser_.upload(normalisers(table, region, weights, single_tap_));
-  const Extent batch = {region.columns, region.rows, kBatch, true};
+  const Extent batch = {region.columns, region.rows, kGroupsPerBatch, true};
   unfiltered_ = Texture("unfiltered slices", TexelFormat::rgba32f, batch, TextureFilter::nearest);
   rows_ =
       Texture("slices filtered along rows", TexelFormat::rgba32f, batch, TextureFilter::nearest);
@@ -130,7 +128,7 @@ FastScanConverter::FastScanConverter(const SliceGeometry& geometry,
   const Region inner = pixels_that_rays_read(geometry, options);
   filtered_ = Texture("groups of slices",
                       slice_formats(options.scan_conversion.format).group,
-                      {inner.columns, inner.rows, kBatch, true},
+                      {inner.columns, inner.rows, kGroupsPerBatch, true},
                       TextureFilter::nearest);
   make_programs(weights);
   check_gl("scan conversion: setting up");
@@ -156,16 +154,14 @@ void FastScanConverter::make_programs(const std::vector<double>& weights) {
 void FastScanConverter::convert(const std::vector<int>& layers,
                                 FrameStore& store,
                                 const SlicePairs& slices,
-                                const GroupCallback& on_group) {
+                                const GroupsCallback& on_groups) {
   const std::vector<LayerGroup> groups = groups_of(layers);
-  for (std::size_t first = 0; first < groups.size(); first += kBatch) {
+  for (std::size_t first = 0; first < groups.size(); first += kGroupsPerBatch) {
     const auto begin = groups.begin() + static_cast<std::ptrdiff_t>(first);
     const std::vector<LayerGroup> batch(
-        begin, groups.end() - begin > kBatch ? begin + kBatch : groups.end());
+        begin, groups.end() - begin > kGroupsPerBatch ? begin + kGroupsPerBatch : groups.end());
     convert_batch(batch, store, slices);
-    for (int i = 0; i < static_cast<int>(batch.size()); ++i) {
-      on_group(filtered_, i, batch[static_cast<std::size_t>(i)]);
-    }
+    on_groups(filtered_, batch);
   }
   check_gl("scan conversion");
 }

@@ -12,6 +12,9 @@
 
 namespace wobblebench::render {
 
+/// The pixels of a slice that rays read.
+Region pixels_that_rays_read(const SliceGeometry& geometry, const RenderOptions& options);
+
 /// The pixels that rays read, of all slices: layer k holds slice k in red and slice k + 1 in green,
 /// so that one bilinear fetch reads both neighbours of a sample. On a CPU that costs half as much
 /// as a trilinear fetch.
@@ -29,10 +32,10 @@ class SlicePairs {
   Texture texture_;
 };
 
-/// Called for each finished group: the four channels of layer `index` of `slices` hold its slices,
-/// in the pixels and the format of SlicePairs.
-using GroupCallback =
-    std::function<void(const Texture& slices, int index, const LayerGroup& layers)>;
+/// Called for each batch of finished groups: the four channels of layer i of `slices` hold the
+/// slices of groups[i], in the pixels and the format of SlicePairs.
+using GroupsCallback =
+    std::function<void(const Texture& slices, const std::vector<LayerGroup>& groups)>;
 
 /// Scan conversion, then the filter within a slice (slice_weights()) along rows and columns.
 class FastScanConverter {
@@ -46,7 +49,7 @@ class FastScanConverter {
   void convert(const std::vector<int>& layers,
                FrameStore& store,
                const SlicePairs& slices,
-               const GroupCallback& on_group);
+               const GroupsCallback& on_groups);
 
  private:
   void convert_batch(const std::vector<LayerGroup>& batch,

@@ -13,6 +13,11 @@
 namespace wobblebench::render {
 namespace {
 
+/// Whether a detector asks how steeply the values of a cell change (SkippableCells).
+bool needs_slopes(const RenderOptions& options) {
+  return options.ray_casting.detector == Detector::paper;
+}
+
 class PlainVolume : public SliceVolume {
  public:
   PlainVolume(ScanConverter& converter, const SliceGeometry& geometry, const RenderOptions& options)
@@ -37,18 +42,18 @@ class FastVolume : public SliceVolume {
              const SliceGeometry& geometry,
              const hw::AcquisitionPlan& plan,
              const RenderOptions& options,
-             FragmentProgram& bounds_program)
+             CellBoundsPass& cell_bounds)
       : SliceVolume(geometry),
         converter_(converter),
         geometry_(geometry),
         plan_(plan),
         slices_(geometry, options),
-        empty_space_(SkippableCells(plan, geometry, options, slices_.region()), bounds_program) {}
+        empty_space_(SkippableCells(plan, geometry, options, slices_.region()), cell_bounds) {}
 
   void make_layers(const std::vector<int>& layers, FrameStore& store) override {
     converter_.convert(
-        layers, store, slices_, [this](const Texture& group, int index, const LayerGroup& made) {
-          empty_space_.update_bounds(group, index, made);
+        layers, store, slices_, [this](const Texture& made, const std::vector<LayerGroup>& groups) {
+          empty_space_.update_bounds(made, groups);
         });
   }
   const Texture& slices() const override { return slices_.texture(); }
@@ -102,7 +107,7 @@ bool same_slices(const RenderOptions& one, const RenderOptions& other) {
          one.scan_conversion == other.scan_conversion &&
          one.volume_of_interest == other.volume_of_interest && same(slice_weights) &&
          same([](const RenderOptions& o) { return frame_weights(o.ray_casting); }) &&
-         same(needs_levels) && same(region) && same(aligned_edge);
+         same(needs_levels) && same(needs_slopes) && same(region) && same(aligned_edge);
 }
 
 struct SliceVolumeFactory::Shared {
@@ -114,6 +119,8 @@ struct SliceVolumeFactory::Shared {
                  dense_factors(acquisition_plan, options)) {
     if (options.pipeline.mode == PipelineMode::fast) {
       fast.emplace(geometry, plan, options);
+      cell_bounds.emplace(make_macrocell_grid(geometry, pixels_that_rays_read(geometry, options)),
+                          needs_slopes(options));
     } else {
       plain.emplace(geometry, plan, options);
     }
@@ -124,7 +131,7 @@ struct SliceVolumeFactory::Shared {
   SliceGeometry geometry;
   std::optional<ScanConverter> plain;
   std::optional<FastScanConverter> fast;
-  FragmentProgram cell_bounds;
+  std::optional<CellBoundsPass> cell_bounds;
 };
 
 SliceVolumeFactory::SliceVolumeFactory(const hw::AcquisitionPlan& plan,
@@ -136,7 +143,7 @@ SliceVolumeFactory::~SliceVolumeFactory() = default;
 std::unique_ptr<SliceVolume> SliceVolumeFactory::make() const {
   Shared& s = *shared_;
   if (s.fast) {
-    return std::make_unique<FastVolume>(*s.fast, s.geometry, s.plan, s.options, s.cell_bounds);
+    return std::make_unique<FastVolume>(*s.fast, s.geometry, s.plan, s.options, *s.cell_bounds);
   }
   return std::make_unique<PlainVolume>(*s.plain, s.geometry, s.options);
 }
