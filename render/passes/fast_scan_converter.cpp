@@ -10,9 +10,8 @@ namespace {
 
 enum Bindings { kPolarTable, kFrames, kPixels, kRows, kNormaliser };
 
-/// Slices of a group, one in each channel of a texel, and pairs of neighbours among them.
-constexpr int kSlices = 4;
-constexpr int kPairs = kSlices - 1;
+/// Pairs of neighbours among the slices of a group.
+constexpr int kPairs = kGroupSlices - 1;
 
 Region with_border(const Region& region, int border) {
   return {region.column - border,
@@ -104,19 +103,22 @@ SlicePairs::SlicePairs(const SliceGeometry& geometry, const RenderOptions& optio
 FastScanConverter::FastScanConverter(const SliceGeometry& geometry,
                                      const hw::AcquisitionPlan& plan,
                                      const RenderOptions& options)
-    : frames_(geometry.frames()),
-      frame_texture_(plan, options.scan_conversion.format, kGroupsPerBatch) {
+    : frames_(geometry.frames()) {
   std::vector<double> weights = slice_weights(options);
   // Without a filter too, pixels next to the sector take the mean of their neighbours in it.
   single_tap_ = weights.size() == 1;
   if (single_tap_) weights.assign(3, 1.0 / 3);
   border_ = static_cast<int>(weights.size()) / 2;
-  const Region region = with_border(pixels_that_rays_read(geometry, options), border_);
+  const Region inner = pixels_that_rays_read(geometry, options);
+  const Region region = with_border(inner, border_);
   const std::vector<float> table = make_polar_table(geometry, region);
+  const hw::AcquisitionOptions& scan = plan.acquisition();
+  const FrameWindow window = window_of(table, scan);
+  frame_groups_.emplace(window, scan.samples_per_stick, options.scan_conversion.format);
   const Extent pixels = {region.columns, region.rows};
   polar_table_ =
       Texture("scan-conversion LUT", TexelFormat::rgb32f, pixels, TextureFilter::nearest);
-  polar_table_.upload(table);
+  polar_table_.upload(within_window(table, window));
   normaliser_ = Texture("slice normaliser", TexelFormat::r32f, pixels, TextureFilter::nearest);
   normaliser_.upload(normalisers(table, region, weights, single_tap_));
   const Extent batch = {region.columns, region.rows, kGroupsPerBatch, true};
@@ -125,11 +127,10 @@ FastScanConverter::FastScanConverter(const SliceGeometry& geometry,
       Texture("slices filtered along rows", TexelFormat::rgba32f, batch, TextureFilter::nearest);
   unfiltered_target_ = Framebuffer::of_all_layers({&unfiltered_});
   rows_target_ = Framebuffer::of_all_layers({&rows_});
-  const Region inner = pixels_that_rays_read(geometry, options);
-  filtered_ = Texture("groups of slices",
-                      slice_formats(options.scan_conversion.format).group,
-                      {inner.columns, inner.rows, kGroupsPerBatch, true},
-                      TextureFilter::nearest);
+  made_ = Texture("groups of slices",
+                  slice_formats(options.scan_conversion.format).group,
+                  {inner.columns, inner.rows, kGroupsPerBatch, true},
+                  TextureFilter::nearest);
   make_programs(weights);
   check_gl("scan conversion: setting up");
 }
@@ -152,7 +153,7 @@ void FastScanConverter::make_programs(const std::vector<double>& weights) {
 }
 
 void FastScanConverter::convert(const std::vector<int>& layers,
-                                FrameStore& store,
+                                const FrameStore& store,
                                 const SlicePairs& slices,
                                 const GroupsCallback& on_groups) {
   const std::vector<LayerGroup> groups = groups_of(layers);
@@ -161,13 +162,13 @@ void FastScanConverter::convert(const std::vector<int>& layers,
     const std::vector<LayerGroup> batch(
         begin, groups.end() - begin > kGroupsPerBatch ? begin + kGroupsPerBatch : groups.end());
     convert_batch(batch, store, slices);
-    on_groups(filtered_, batch);
+    on_groups(made_, batch);
   }
   check_gl("scan conversion");
 }
 
 void FastScanConverter::convert_batch(const std::vector<LayerGroup>& batch,
-                                      FrameStore& store,
+                                      const FrameStore& store,
                                       const SlicePairs& slices) {
   upload(batch, store);
   const Region bordered = {0, 0, unfiltered_.extent().width, unfiltered_.extent().height};
@@ -176,28 +177,25 @@ void FastScanConverter::convert_batch(const std::vector<LayerGroup>& batch,
     all_groups.push_back({group, group});
   }
   scan_convert_.draw_layers(unfiltered_target_,
-                            {{kPolarTable, &polar_table_}, {kFrames, &frame_texture_.texture()}},
+                            {{kPolarTable, &polar_table_}, {kFrames, &frame_groups_->texture()}},
                             bordered,
                             all_groups);
   along_rows_.draw_layers(rows_target_, {{kPixels, &unfiltered_}}, bordered, all_groups);
   for (int group = 0; group < static_cast<int>(batch.size()); ++group) {
     along_columns_.set("group", static_cast<double>(group))
-        .draw(target_of(batch[static_cast<std::size_t>(group)], slices, {&filtered_, group}),
+        .draw(target_of(batch[static_cast<std::size_t>(group)], slices, {&made_, group}),
               {{kRows, &rows_}, {kPixels, &unfiltered_}, {kNormaliser, &normaliser_}});
   }
 }
 
-void FastScanConverter::upload(const std::vector<LayerGroup>& batch, FrameStore& store) {
+void FastScanConverter::upload(const std::vector<LayerGroup>& batch, const FrameStore& store) {
   for (std::size_t group = 0; group < batch.size(); ++group) {
+    FrameGroups::Slices slices;
     for (int slice = 0; slice <= batch[group].count; ++slice) {
-      const std::vector<float>& samples =
-          store.filtered(std::min(batch[group].first + slice, frames_ - 1));
-      group_.resize(kSlices * samples.size());
-      for (std::size_t i = 0; i < samples.size(); ++i) {
-        group_[kSlices * i + static_cast<std::size_t>(slice)] = samples[i];
-      }
+      slices[static_cast<std::size_t>(slice)] =
+          store.taps(std::min(batch[group].first + slice, frames_ - 1));
     }
-    frame_texture_.upload_group(static_cast<int>(group), group_);
+    frame_groups_->upload(static_cast<int>(group), slices);
   }
 }
 

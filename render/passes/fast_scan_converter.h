@@ -2,11 +2,13 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 #include <vector>
 
 #include "render/geometry/slice_geometry.h"
 #include "render/gl/program.h"
 #include "render/options.h"
+#include "render/passes/frame_groups.h"
 #include "render/passes/scan_converter.h"
 #include "render/reconstruction/frame_store.h"
 
@@ -47,23 +49,22 @@ class FastScanConverter {
   /// Makes these layers of `slices`, in ascending order. On a CPU four slices, which give three
   /// layers, cost hardly more than one.
   void convert(const std::vector<int>& layers,
-               FrameStore& store,
+               const FrameStore& store,
                const SlicePairs& slices,
                const GroupsCallback& on_groups);
 
  private:
-  void convert_batch(const std::vector<LayerGroup>& batch,
-                     FrameStore& store,
-                     const SlicePairs& slices);
-  void upload(const std::vector<LayerGroup>& batch, FrameStore& store);
   void make_programs(const std::vector<double>& weights);
+  void convert_batch(const std::vector<LayerGroup>& batch,
+                     const FrameStore& store,
+                     const SlicePairs& slices);
+  void upload(const std::vector<LayerGroup>& batch, const FrameStore& store);
 
   int frames_;
   bool single_tap_ = false;  ///< pixels that hold data are not filtered
-  std::vector<float> group_;
-  int border_;  ///< pixels around the region that the filter reads
-  FrameTexture frame_texture_;
-  Texture polar_table_, normaliser_, unfiltered_, rows_, filtered_;
+  int border_ = 0;           ///< pixels around the region that the filter reads
+  std::optional<FrameGroups> frame_groups_;
+  Texture polar_table_, normaliser_, unfiltered_, rows_, made_;
   Framebuffer unfiltered_target_, rows_target_;
   FragmentProgram scan_convert_, along_rows_, along_columns_;
 };

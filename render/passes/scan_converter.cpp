@@ -89,15 +89,6 @@ FrameTexture::FrameTexture(const hw::AcquisitionPlan& plan, TextureFormat format
                      TextureFilter::nearest);
 }
 
-FrameTexture::FrameTexture(const hw::AcquisitionPlan& plan, TextureFormat format, int groups)
-    : in_floats_(format == TextureFormat::r32f) {
-  const hw::AcquisitionOptions& acquisition = plan.acquisition();
-  texture_ = Texture("groups of polar frames",
-                     in_floats_ ? TexelFormat::rgba32f : TexelFormat::rgba16,
-                     {acquisition.samples_per_stick, acquisition.sticks_per_frame, groups, true},
-                     TextureFilter::linear);
-}
-
 const std::vector<std::uint16_t>& FrameTexture::fixed_point(const std::vector<float>& samples) {
   fixed_point_.resize(samples.size());
   std::transform(samples.begin(), samples.end(), fixed_point_.begin(), [](float sample) {
@@ -110,11 +101,6 @@ const std::vector<std::uint16_t>& FrameTexture::fixed_point(const std::vector<fl
 
 void FrameTexture::upload(const std::vector<float>& samples) {
   in_floats_ ? texture_.upload(samples) : texture_.upload(fixed_point(samples));
-}
-
-void FrameTexture::upload_group(int group, const std::vector<float>& samples) {
-  in_floats_ ? texture_.upload_layer(group, samples)
-             : texture_.upload_layer(group, fixed_point(samples));
 }
 
 }  // namespace wobblebench::render

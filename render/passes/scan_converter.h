@@ -19,19 +19,14 @@ struct SliceFormats {
 };
 SliceFormats slice_formats(TextureFormat format);
 
-/// A frame (samples x lines), or a batch of groups of four frames; 16-bit fixed point, or float
-/// where slices are float, so that the upload loses no precision that slices would keep.
+/// A frame (samples x lines); 16-bit fixed point, or float where slices are float, so that the
+/// upload loses no precision that slices would keep.
 class FrameTexture {
  public:
-  /// For one frame.
   FrameTexture(const hw::AcquisitionPlan& plan, TextureFormat format);
-  /// For an array of groups, with linear filtering.
-  FrameTexture(const hw::AcquisitionPlan& plan, TextureFormat format, int groups);
 
   /// Samples in [0, 1], stick after stick.
   void upload(const std::vector<float>& samples);
-  /// Samples in [0, 1] of four frames, interleaved.
-  void upload_group(int group, const std::vector<float>& samples);
 
   const Texture& texture() const { return texture_; }
 

@@ -24,7 +24,7 @@ class PlainVolume : public SliceVolume {
       : SliceVolume(geometry), converter_(converter), slices_(geometry, options.scan_conversion) {}
 
   void make_layers(const std::vector<int>& layers, FrameStore& store) override {
-    for (int frame : layers) converter_.convert(store.filtered(frame), slices_.layer(frame));
+    for (int slice : layers) converter_.convert(store.filtered(slice), slices_.layer(slice));
   }
   const Texture& slices() const override { return slices_.texture(); }
   Region pixels() const override {

@@ -150,21 +150,27 @@ std::vector<int> FrameStore::take_changed() {
   return taken;
 }
 
-const std::vector<float>& FrameStore::filtered(int index) {
-  const auto& frames = converted();
-  const int first = first_neighbour(index), last = last_neighbour(index);
-  if (first == last) return frames[static_cast<std::size_t>(index)];
+std::vector<WeightedFrame> FrameStore::taps(int slice) const {
+  const int first = first_neighbour(slice), last = last_neighbour(slice);
+  const auto weight = [&](int frame) {
+    return weights_[static_cast<std::size_t>(frame - slice + half_)];
+  };
   double total = 0;
-  for (int f = first; f <= last; ++f)
-    total += weights_[static_cast<std::size_t>(f - index + half_)];
-  filtered_.assign(frames.front().size(), 0.0f);
-  for (int f = first; f <= last; ++f) {
-    const auto share =
-        static_cast<float>(weights_[static_cast<std::size_t>(f - index + half_)] / total);
-    const std::vector<float>& frame = frames[static_cast<std::size_t>(f)];
-    for (std::size_t i = 0; i < frame.size(); ++i) filtered_[i] += share * frame[i];
+  for (int frame = first; frame <= last; ++frame) total += weight(frame);
+  std::vector<WeightedFrame> all;
+  for (int frame = first; frame <= last; ++frame) {
+    all.push_back(
+        {&converted()[static_cast<std::size_t>(frame)], static_cast<float>(weight(frame) / total)});
   }
-  return filtered_;
+  return all;
+}
+
+std::vector<float> FrameStore::filtered(int slice) const {
+  std::vector<float> sum(converted().front().size(), 0.0f);
+  for (const auto& [samples, share] : taps(slice)) {
+    for (std::size_t i = 0; i < sum.size(); ++i) sum[i] += share * (*samples)[i];
+  }
+  return sum;
 }
 
 }  // namespace wobblebench::render

@@ -28,12 +28,18 @@ inline float clean_sample(float sample) {
 /// log-compressed samples.
 void check_log_compressed(const hw::PolarVolume& volume);
 
+/// A frame ([line * samples_per_stick + sample]) in a sum of frames.
+struct WeightedFrame {
+  const std::vector<float>* samples = nullptr;
+  float share = 0;
+};
+
 /// Keeps each frame as it arrives, with clean_sample() and without gaps: a lost stick is the mean
 /// of the nearest sticks of its frame on both sides that arrived, weighted by their distance. A
 /// frame of which no stick arrived is zero.
 ///
 /// Pass 1 converts these frames or, with Sticks::aligned and where motor angles leave the plan,
-/// those that put_aligned() gives. It reads them through filtered(): the part of the 3D kernel that
+/// those that put_aligned() gives. It reads them through taps(): the part of the 3D kernel that
 /// lies across frames. Filtering sticks equals filtering slices, as scan conversion is linear and
 /// the same for all frames, and sticks are fewer than pixels.
 ///
@@ -66,8 +72,10 @@ class FrameStore {
   /// All changed layers, likewise.
   [[nodiscard]] std::vector<int> take_changed();
 
-  /// The frame filtered across frames, from which its slice is made; valid until the next call.
-  const std::vector<float>& filtered(int index);
+  /// The frames whose weighted sum its slice is made from: the filter across frames.
+  std::vector<WeightedFrame> taps(int slice) const;
+  /// That sum.
+  std::vector<float> filtered(int slice) const;
 
  private:
   void fill_lost_sticks(const std::vector<std::uint8_t>& arrived,
@@ -86,7 +94,6 @@ class FrameStore {
   std::vector<std::vector<float>> aligned_;  ///< empty: received_ is converted
   std::vector<bool> arrived_;                ///< per frame
   std::vector<bool> changed_;                ///< per layer
-  std::vector<float> filtered_;
 };
 
 }  // namespace wobblebench::render
