@@ -59,7 +59,7 @@ void EmptySpace::refresh() {
   const CellBits set = cells_.to_sample();
   distances_.upload(cell_distances(set, cells_.grid()));
   const int tiles = tiles_per_side(cells_.camera().image_size);
-  if (spans_.extent().width != tiles) {
+  if (!spans_ || spans_.extent().width != tiles) {
     spans_ = Texture("spans of rays", TexelFormat::rg32f, {tiles, tiles}, TextureFilter::nearest);
   }
   spans_.upload(ray_spans(set, cells_.grid(), cells_.geometry(), cells_.camera()));

@@ -314,7 +314,7 @@ void RayCaster::cast(SliceVolume& volume) {
                     {kDistances, &empty_space->distances()},
                     {kSpans, &empty_space->spans()}});
   } else {
-    ray_cast_.draw(target_, {slices, transfer, {kMotionTable, &motion_table_}});
+    ray_cast_.draw(target_, {slices, {kMotionTable, &motion_table_}, transfer});
   }
   check_gl("ray casting");
 }

@@ -213,7 +213,7 @@ void main() {
     // `next` must be sampled: fill kernel and detector from the REFILL steps before, which also
     // establish whether the ray was inside the cone.
     march.was_inside = false;
-    int first = max(next - REFILL, 0);
+    int sampled = next, first = max(next - REFILL, 0);
     first -= first % FIRST_STEP_MULTIPLE;
 #if BLOCKS
     empty_block();
@@ -225,7 +225,7 @@ void main() {
       bool leaps = false;
 #if LEAPS
       float radius = cells_to_sampled(ivec3(floor(to_cells(block_slice))));
-      leaps = radius < 0.0 || radius >= MIN_RADIUS;
+      leaps = next > sampled && (radius < 0.0 || radius >= MIN_RADIUS);
 #endif
       if (ended || leaps || next >= count) break;
     }

@@ -166,14 +166,49 @@ TEST(SkippableCells, VisibleCellsAreSampled) {
   EXPECT_EQ(count_sampled(cells.distances()), cells.grid().columns * cells.grid().rows);
 }
 
-TEST(SkippableCells, TheConesBorderIsSampled) {
+/// Whether a ray of some pixel leaves the cone of valid data and comes back, by samples 0.2 mm
+/// apart.
+bool some_ray_returns(const SliceGeometry& geometry, const Camera& camera) {
+  for (int pixel = 0; pixel < camera.image_size * camera.image_size; pixel += 7) {
+    const hw::Ray ray = camera.ray(pixel % camera.image_size, pixel / camera.image_size);
+    int entries = 0;
+    bool inside = false;
+    for (double t_m = 0; t_m < 0.8; t_m += 2e-4) {
+      const bool now = geometry.locate(ray.at(t_m)).inside;
+      entries += now && !inside;
+      inside = now;
+    }
+    if (entries > 1) return true;
+  }
+  return false;
+}
+
+// A ray that could come back into the cone has to notice that it left it.
+TEST(SkippableCells, TheConesBorderIsSampledWhereARayMayComeBackIntoTheCone) {
   Fixture fixture;
   fixture.options.volume_of_interest.size_m = {0.3, 0.3, 0.3};
-  SkippableCells cells = fixture.cells();
-  for (int k = 0; k < 20; ++k) cells.set_bounds(k, flat(cells.grid(), 0.5f));
-  const auto distances = cells.distances();
-  EXPECT_GT(count_sampled(distances), 0);
-  EXPECT_LT(count_sampled(distances), int(distances.size()) / 2);
+  int views_without = 0, views_that_return = 0;
+  std::mt19937 random(5);
+  std::uniform_real_distribution<double> angle_rad(-kPi, kPi), small_rad(-0.3, 0.3);
+  for (int trial = 0; trial < 40; ++trial) {
+    ViewOptions& view = fixture.options.view;
+    const bool tilted = trial % 2 == 0;
+    view.yaw_rad = (tilted ? small_rad(random) : angle_rad(random)) + (trial % 4 == 2 ? kPi : 0);
+    view.pitch_rad = tilted ? small_rad(random) : angle_rad(random);
+    view.projection = trial % 3 == 0 ? Projection::perspective : Projection::parallel;
+    view.eye_distance_m = 0.5;
+    SkippableCells cells = fixture.cells();
+    for (int k = 0; k < 20; ++k) cells.set_bounds(k, flat(cells.grid(), 0.5f));
+    const int sampled = count_sampled(cells.distances());
+    EXPECT_LT(sampled, int(cells.distances().size()) / 2);
+    views_without += sampled == 0;
+    if (some_ray_returns(fixture.geometry, make_camera(fixture.options))) {
+      ++views_that_return;
+      EXPECT_GT(sampled, 0) << "yaw " << view.yaw_rad << " pitch " << view.pitch_rad;
+    }
+  }
+  EXPECT_GT(views_without, 5);
+  EXPECT_GT(views_that_return, 5);
 }
 
 TEST(SkippableCells, EverythingIsSampledWithASingleFrame) {
