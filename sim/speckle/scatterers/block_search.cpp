@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <glm/common.hpp>
+#include <glm/matrix.hpp>
 #include <limits>
 
 #include "sim/tissue/scanned_tissue.h"
@@ -32,21 +33,33 @@ bool touches(const BeamBounds::Reach& reach,
   return u * u + v * v < rim * rim;
 }
 
-/// Blocks of rigid tissue, layer by layer along the grid axis nearest to the stick's direction.
+using Turn = phantoms::Deformation::Turn;
+
+/// Blocks of tissue that moves by one rigid map, layer by layer along the grid axis nearest to the
+/// stick's direction. Those whose centres lie in an interval of ranges, or all.
 class RigidBlockSearch {
  public:
   RigidBlockSearch(const StickTransform& transform,
+                   Turn turn,
                    const BeamBounds& bounds,
                    const BlockGrid& grid,
                    double end_m)
-      : map_(transform.map()), bounds_(bounds), grid_(grid), end_m_(end_m) {
-    begin_ = transform.to_rest(glm::dvec3(0));
-    direction_ = transform.to_rest(glm::dvec3(1, 0, 0)) - begin_;
+      : map_(transform.rigid_map(turn)), turn_(turn), bounds_(bounds), grid_(grid), end_m_(end_m) {
+    const glm::dmat3 inverse = glm::transpose(map_.matrix);
+    begin_ = -(inverse * map_.shift);
+    direction_ = inverse[0];
     const glm::dvec3 speed = glm::abs(direction_);
     layer_axis_ = speed.x > speed.y ? (speed.x > speed.z ? 0 : 2) : (speed.y > speed.z ? 1 : 2);
     first_ = (layer_axis_ + 1) % 3;
     second_ = (layer_axis_ + 2) % 3;
     for (int row = 0; row < 3; ++row) half_[row] = half_extent(map_.matrix, row, grid.side_m);
+    from_m_ = -half_[0];
+    to_m_ = end_m + half_[0];
+  }
+
+  void limit(double from_m, double to_m) {
+    from_m_ = std::max(from_m_, from_m);
+    to_m_ = std::min(to_m_, to_m);
   }
 
   void collect(std::vector<TouchedBlock>& touched) {
@@ -54,8 +67,9 @@ class RigidBlockSearch {
     // Largest axial distance of a layer's blocks from the stick's crossing of the layer.
     axial_margin_m_ = std::abs(map_.matrix[first_][0]) * most.first_m +
                       std::abs(map_.matrix[second_][0]) * most.second_m + half_[0];
-    const double from = begin_[layer_axis_] - axial_margin_m_ * direction_[layer_axis_];
-    const double to = begin_[layer_axis_] + (end_m_ + axial_margin_m_) * direction_[layer_axis_];
+    const double from =
+        begin_[layer_axis_] + (from_m_ - axial_margin_m_) * direction_[layer_axis_];
+    const double to = begin_[layer_axis_] + (to_m_ + axial_margin_m_) * direction_[layer_axis_];
     const int low = std::max(index_of(std::min(from, to), layer_axis_), grid_.first[layer_axis_]);
     const int high = std::min(index_of(std::max(from, to), layer_axis_), grid_.last[layer_axis_]);
     // Nearest first.
@@ -118,20 +132,22 @@ class RigidBlockSearch {
       index[first_] = from_first;
       glm::dvec3 center = map_(grid_.center(index));
       for (; index[first_] <= last_first; ++index[first_], center += step) {
-        if (center.x < -half_[0] || center.x > end_m_ + half_[0]) continue;
+        if (center.x < from_m_ || center.x >= to_m_) continue;
         if (!touches(bounds_.reach(center.x), center, half_[1], half_[2])) continue;
         // Member by member: copying a struct just built from parts stalls on store forwarding.
         TouchedBlock& block = touched.emplace_back();
         block.index = index;
         block.center = center;
+        block.turn = turn_;
       }
     }
   }
 
   RestToBeam map_;
+  Turn turn_;
   const BeamBounds& bounds_;
   const BlockGrid& grid_;
-  double end_m_;
+  double end_m_, from_m_, to_m_;
   glm::dvec3 begin_;
   glm::dvec3 direction_;
   int layer_axis_;
@@ -142,7 +158,7 @@ class RigidBlockSearch {
 };
 
 /// Blocks of tissue that moves non-rigidly, slab by slab along the stick: each belongs to the slab
-/// that contains its centre.
+/// that contains its centre. Slabs of which all tissue moves by one rigid map are searched together.
 class NonRigidBlockSearch {
  public:
   NonRigidBlockSearch(const StickTransform& transform,
@@ -165,13 +181,38 @@ class NonRigidBlockSearch {
   void collect(std::vector<TouchedBlock>& touched) const {
     const double thick_m = 2 * grid_.side_m;
     const int slabs = static_cast<int>(std::ceil((end_m_ + 2 * half_m_) / thick_m));
-    for (int i = 0; i < slabs; ++i) {
-      slab(i * thick_m - half_m_, (i + 1) * thick_m - half_m_, touched);
+    const auto begin_m = [&](int i) { return i * thick_m - half_m_; };
+    for (int i = 0; i < slabs;) {
+      const Turn turn = turn_of_slab(begin_m(i), begin_m(i + 1));
+      int next = i + 1;
+      if (turn == Turn::partial) {
+        slab(begin_m(i), begin_m(next), touched);
+      } else {
+        while (next < slabs && turn_of_slab(begin_m(next), begin_m(next + 1)) == turn) ++next;
+        RigidBlockSearch search(transform_, turn, bounds_, grid_, end_m_);
+        search.limit(begin_m(i), begin_m(next));
+        search.collect(touched);
+      }
+      i = next;
     }
   }
 
  private:
-  using Turn = phantoms::Deformation::Turn;
+  /// How all tissue of the blocks of a slab moves. A turn maps balls that move rigidly onto balls.
+  Turn turn_of_slab(double from_m, double to_m) const {
+    const BeamBounds::Reach reach = reach_in(from_m, to_m);
+    const double radius_m = std::hypot(0.5 * (to_m - from_m) + half_m_,
+                                       std::hypot(reach.lateral_m, reach.elevation_m));
+    const glm::dvec3 center = transform_.to_rest({0.5 * (from_m + to_m), 0, 0});
+    return transform_.turn_within(center, radius_m);
+  }
+
+  /// The beam's widest reach in a slab, and half a block.
+  BeamBounds::Reach reach_in(double from_m, double to_m) const {
+    const BeamBounds::Reach &a = bounds_.reach(from_m), &b = bounds_.reach(to_m);
+    return {std::max(a.lateral_m, b.lateral_m) + half_m_,
+            std::max(a.elevation_m, b.elevation_m) + half_m_};
+  }
 
   void slab(double from_m, double to_m, std::vector<TouchedBlock>& touched) const {
     const auto [low, high] = index_range(from_m, to_m);
@@ -187,7 +228,7 @@ class NonRigidBlockSearch {
           if (center.x > end_m_ + half_m_) continue;
           const BeamBounds::Reach& half = half_[static_cast<std::size_t>(turn)];
           if (touches(bounds_.reach(center.x), center, half.lateral_m, half.elevation_m)) {
-            touched.push_back({index, center});
+            touched.push_back({index, center, turn});
           }
         }
       }
@@ -201,10 +242,7 @@ class NonRigidBlockSearch {
 
   /// Block indices in a slab, found from points no farther apart than two blocks.
   IndexRange index_range(double from_m, double to_m) const {
-    const BeamBounds::Reach& a = bounds_.reach(from_m);
-    const BeamBounds::Reach& b = bounds_.reach(to_m);
-    const double lateral = std::max(a.lateral_m, b.lateral_m) + half_m_;
-    const double elevation = std::max(a.elevation_m, b.elevation_m) + half_m_;
+    const auto [lateral, elevation] = reach_in(from_m, to_m);
     const double step = 2 * grid_.side_m;
     const int across = static_cast<int>(std::ceil(2 * lateral / step));
     const int along = static_cast<int>(std::ceil(2 * elevation / step));
@@ -243,7 +281,7 @@ void find_touched_blocks(const StickTransform& transform,
                          std::vector<TouchedBlock>& touched) {
   touched.clear();
   if (transform.rigid()) {
-    RigidBlockSearch(transform, bounds, grid, end_m).collect(touched);
+    RigidBlockSearch(transform, Turn::none, bounds, grid, end_m).collect(touched);
   } else {
     NonRigidBlockSearch(transform, bounds, grid, end_m).collect(touched);
   }

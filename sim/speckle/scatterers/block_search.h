@@ -4,6 +4,7 @@
 #include <glm/vec3.hpp>
 #include <vector>
 
+#include "phantoms/motion.h"
 #include "sim/optics/beam_table.h"
 
 namespace wobblebench::sim {
@@ -25,6 +26,7 @@ struct BlockGrid {
 struct TouchedBlock {
   glm::ivec3 index{0};
   glm::dvec3 center{0};  ///< beam coordinates
+  phantoms::Deformation::Turn turn = phantoms::Deformation::Turn::none;
 };
 
 /// Finds the blocks that touch the beam up to range `end_m`, each once, in an order that depends on

@@ -89,7 +89,7 @@ void StickScan::scan(const TouchedBlock& touched, const TissueBlocks::Block& tis
   const BlockGrid grid = scene_.block_grid();
   const glm::dvec3 center = grid.center(touched.index);
   block.corner = center - 0.5 * grid.side_m;
-  std::vector<OctaveCells>& octaves = locate_block(center, block);
+  std::vector<OctaveCells>& octaves = locate_block(center, touched.turn, block);
   block.beam_corner = to_float(block.map(block.corner));
   const auto row = static_cast<std::size_t>(scene_.table.row(touched.center.x));
   block.reach = beam_.reaches[row];
@@ -106,9 +106,10 @@ void StickScan::fill_grids(const RestToBeam& map, std::vector<OctaveCells>& octa
   }
 }
 
-std::vector<OctaveCells>& StickScan::locate_block(const glm::dvec3& center, Block& block) {
+std::vector<OctaveCells>& StickScan::locate_block(const glm::dvec3& center,
+                                                  phantoms::Deformation::Turn turn,
+                                                  Block& block) {
   const double side_m = scene_.blocks.side_m();
-  const auto turn = transform_.turn_within(center, 0.5 * std::sqrt(3.0) * side_m);
   if (turn != phantoms::Deformation::Turn::partial) {
     const auto part = static_cast<std::size_t>(turn);
     block.map = transform_.rigid_map(turn);

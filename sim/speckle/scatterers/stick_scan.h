@@ -58,7 +58,9 @@ class StickScan {
   void fill_grids(const RestToBeam& map, std::vector<OctaveCells>& octaves) const;
   void scan(const TouchedBlock& touched, const TissueBlocks::Block& tissue);
   /// Sets the block's map, and returns the hash cells under it.
-  std::vector<OctaveCells>& locate_block(const glm::dvec3& center, Block& block);
+  std::vector<OctaveCells>& locate_block(const glm::dvec3& center,
+                                         phantoms::Deformation::Turn turn,
+                                         Block& block);
   void scan_octave(Block& block, OctaveCells& cells, int octave);
   CellTest cell_test(const Block& block, const CellGrid& grid, int octave) const;
   /// Writes origins and seeds of the listed cells.
