@@ -67,8 +67,7 @@ class RigidBlockSearch {
     // Largest axial distance of a layer's blocks from the stick's crossing of the layer.
     axial_margin_m_ = std::abs(map_.matrix[first_][0]) * most.first_m +
                       std::abs(map_.matrix[second_][0]) * most.second_m + half_[0];
-    const double from =
-        begin_[layer_axis_] + (from_m_ - axial_margin_m_) * direction_[layer_axis_];
+    const double from = begin_[layer_axis_] + (from_m_ - axial_margin_m_) * direction_[layer_axis_];
     const double to = begin_[layer_axis_] + (to_m_ + axial_margin_m_) * direction_[layer_axis_];
     const int low = std::max(index_of(std::min(from, to), layer_axis_), grid_.first[layer_axis_]);
     const int high = std::min(index_of(std::max(from, to), layer_axis_), grid_.last[layer_axis_]);
@@ -158,7 +157,8 @@ class RigidBlockSearch {
 };
 
 /// Blocks of tissue that moves non-rigidly, slab by slab along the stick: each belongs to the slab
-/// that contains its centre. Slabs of which all tissue moves by one rigid map are searched together.
+/// that contains its centre. Slabs of which all tissue moves by one rigid map are searched
+/// together.
 class NonRigidBlockSearch {
  public:
   NonRigidBlockSearch(const StickTransform& transform,
@@ -201,8 +201,8 @@ class NonRigidBlockSearch {
   /// How all tissue of the blocks of a slab moves. A turn maps balls that move rigidly onto balls.
   Turn turn_of_slab(double from_m, double to_m) const {
     const BeamBounds::Reach reach = reach_in(from_m, to_m);
-    const double radius_m = std::hypot(0.5 * (to_m - from_m) + half_m_,
-                                       std::hypot(reach.lateral_m, reach.elevation_m));
+    const double radius_m =
+        std::hypot(0.5 * (to_m - from_m) + half_m_, std::hypot(reach.lateral_m, reach.elevation_m));
     const glm::dvec3 center = transform_.to_rest({0.5 * (from_m + to_m), 0, 0});
     return transform_.turn_within(center, radius_m);
   }

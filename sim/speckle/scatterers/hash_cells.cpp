@@ -1,6 +1,8 @@
 #include "sim/speckle/scatterers/hash_cells.h"
 
+#include <algorithm>
 #include <cmath>
+#include <glm/matrix.hpp>
 
 #include "sim/math/fast_math.h"
 #include "sim/optics/beam_table.h"
@@ -119,32 +121,60 @@ CellOrigin cell_origin(const RestToBeam& map, const glm::dvec3& low_corner_m, do
   return CellOrigin(to_float(map(low_corner_m + cell_m * kOrigin)));
 }
 
-void CellGrid::fill(const RestToBeam& map, double side_m, int divisions) {
-  const double cell_m = side_m / divisions;
-  const RestToBeam linear{map.matrix, glm::dvec3(0)};
-  axes = hash_axes(map, cell_m);
-  const auto half_along = [&](int row) {
-    return static_cast<float>(0.5 * cell_m *
-                              (std::abs(map.matrix[0][row]) + std::abs(map.matrix[1][row]) +
-                               std::abs(map.matrix[2][row])));
-  };
-  half = {half_along(0), half_along(1), half_along(2)};
+void CellGrid::number_cells(int divisions) {
+  if (divisions == divisions_) return;
+  divisions_ = divisions;
   const int cells = divisions * divisions * divisions;
   const auto room = static_cast<std::size_t>((cells + kCompactionWidth - 1) / kCompactionWidth) *
                     kCompactionWidth;
-  axial.assign(room, 0.0f);
-  elevation.assign(room, 0.0f);
-  lateral.assign(room, kOutOfReach_m);
+  for (std::vector<float>* values : {&x_, &y_, &z_, &axial, &lateral, &elevation}) {
+    values->assign(room, 0.0f);
+  }
   origins.resize(room);
   for (int i = 0; i < cells; ++i) {
+    const glm::dvec3 middle = cell_coordinates(i, divisions) + 0.5;
     const auto at = static_cast<std::size_t>(i);
-    const glm::dvec3 corner = cell_coordinates(i, divisions);
-    const BeamVector center = to_float(linear(cell_m * (corner + 0.5)));
-    axial[at] = center.axial;
-    lateral[at] = center.lateral;
-    elevation[at] = center.elevation;
-    origins[at] = cell_origin(linear, cell_m * corner, cell_m);
+    x_[at] = static_cast<float>(middle.x);
+    y_[at] = static_cast<float>(middle.y);
+    z_[at] = static_cast<float>(middle.z);
   }
+}
+
+namespace {
+
+/// out[i] = x[i] * along.x + y[i] * along.y + z[i] * along.z
+WOBBLEBENCH_SIMD void place_cells(const float* x,
+                                  const float* y,
+                                  const float* z,
+                                  std::size_t count,
+                                  const glm::vec3& along,
+                                  float* __restrict out) {
+  const float along_x = along.x, along_y = along.y, along_z = along.z;
+  for (std::size_t i = 0; i < count; ++i) out[i] = x[i] * along_x + y[i] * along_y + z[i] * along_z;
+}
+
+}  // namespace
+
+void CellGrid::fill(const RestToBeam& map, double side_m, int divisions) {
+  number_cells(divisions);
+  const double cell_m = side_m / divisions;
+  axes = hash_axes(map, cell_m);
+  const glm::dmat3 rows = glm::transpose(cell_m * map.matrix);
+  std::vector<float>* const centers[] = {&axial, &lateral, &elevation};
+  float halves[3] = {};
+  for (int row = 0; row < 3; ++row) {
+    const glm::dvec3& along = rows[row];
+    place_cells(x_.data(), y_.data(), z_.data(), x_.size(), along, centers[row]->data());
+    halves[row] =
+        static_cast<float>(0.5 * (std::abs(along.x) + std::abs(along.y) + std::abs(along.z)));
+  }
+  half = {halves[0], halves[1], halves[2]};
+  const CellOrigin from_center(to_float(map.matrix * (cell_m * (kOrigin - 0.5))));
+  for (std::size_t i = 0; i < origins.size(); ++i) {
+    origins[i] = CellOrigin({axial[i], lateral[i], elevation[i]}) + from_center;
+  }
+  const auto cells = static_cast<std::ptrdiff_t>(divisions) * divisions * divisions;
+  std::fill(lateral.begin() + cells, lateral.end(), kOutOfReach_m);
 }
 
 HashCellArrays HashCellQueue::reserve(std::size_t more) {
@@ -155,6 +185,8 @@ HashCellArrays HashCellQueue::reserve(std::size_t more) {
     amplitude_.resize(2 * needed);
     mixed.resize(2 * needed);
     blocks.resize(2 * needed);
+    axes.resize(2 * needed);
+    directions.resize(2 * needed);
   }
   return cells().from(count);
 }

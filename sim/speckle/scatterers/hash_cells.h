@@ -74,9 +74,16 @@ struct CellGrid {
   HashAxes axes;
   BeamVector half;  ///< half extents of a cell
 
+  /// The cells of a block of this side.
   void fill(const RestToBeam& map, double side_m, int divisions);
   int count() const { return static_cast<int>(axial.size()); }
   CellCenters centers() const { return {axial.data(), lateral.data(), elevation.data()}; }
+
+ private:
+  void number_cells(int divisions);
+
+  int divisions_ = 0;
+  std::vector<float> x_, y_, z_;  ///< of the centres, at rest, in cells
 };
 
 /// Hash cells, of several blocks, that are projected together.
@@ -90,6 +97,8 @@ class HashCellQueue {
   std::size_t count = 0;
   std::vector<const MixedCell*> mixed;    ///< of each cell, in a queue of mixed cells
   std::vector<const BlockCells*> blocks;  ///< the cells of its block, likewise
+  std::vector<HashAxes> axes;             ///< of each cell, where each has its own
+  std::vector<glm::vec3> directions;      ///< of the sound at each cell, at rest, likewise
 
  private:
   std::vector<CellOrigin> origin_;

@@ -21,6 +21,9 @@ struct CellBatch {
   float axial[kCellsPerBatch];
   float lateral[kCellsPerBatch];
   float elevation[kCellsPerBatch];
+  float to_center[kCellsPerBatch];
+  /// HashAxes, where each cell has its own: [x, y, z][axial, lateral, elevation].
+  float unit[3][3][kCellsPerBatch];
   std::uint32_t key[kCellsPerBatch];
   std::int32_t row[kCellsPerBatch];
   float lateral_columns_per_m[kCellsPerBatch];
@@ -37,10 +40,32 @@ struct CellBatch {
   std::uint32_t first_table_index[kCellsPerBatch];
 };
 
+/// A multiple of kCompactionWidth. The padding cells have no contributing scatterers.
+int padded(int count) {
+  return (count + kCompactionWidth - 1) / kCompactionWidth * kCompactionWidth;
+}
+
+/// `count`: of the cells; those that pad the batch take the last one's.
+void load_axes(const CellAxes& axes, int count, CellBatch& batch) {
+  if (!axes.each) {
+    std::fill_n(batch.to_center, padded(count), axes.axes->to_center);
+    return;
+  }
+  for (int c = 0; c < padded(count); ++c) {
+    const HashAxes& own = axes.axes[std::min(c, count - 1)];
+    const BeamVector* const vectors[] = {&own.x, &own.y, &own.z};
+    for (int axis = 0; axis < 3; ++axis) {
+      batch.unit[axis][0][c] = vectors[axis]->axial;
+      batch.unit[axis][1][c] = vectors[axis]->lateral;
+      batch.unit[axis][2][c] = vectors[axis]->elevation;
+    }
+    batch.to_center[c] = own.to_center;
+  }
+}
+
 /// Origins, keys and rows.
 WOBBLEBENCH_SIMD void load_cells(const HashCellArrays& cells,
                                  int count,
-                                 float to_center,
                                  const BeamProjection& projection,
                                  CellBatch& __restrict batch) {
   // As plain floats: vector members would prevent vectorisation.
@@ -55,7 +80,7 @@ WOBBLEBENCH_SIMD void load_cells(const HashCellArrays& cells,
     batch.lateral[c] = at[1];
     batch.elevation[c] = at[2];
     batch.key[c] = mix32(seed[c]);
-    const std::int32_t row = static_cast<std::int32_t>((axial + to_center) * rows_per_m);
+    const std::int32_t row = static_cast<std::int32_t>((axial + batch.to_center[c]) * rows_per_m);
     const std::int32_t positive = row < 0 ? 0 : row;
     batch.row[c] = positive > last_row ? last_row : positive;
   }
@@ -67,11 +92,6 @@ struct BatchRows {
   BeamAtRow rows[kCellsPerBatch];
   OctaveAtRow octave[kCellsPerBatch];
 };
-
-/// A multiple of kCompactionWidth. The padding cells have no contributing scatterers.
-int padded(int count) {
-  return (count + kCompactionWidth - 1) / kCompactionWidth * kCompactionWidth;
-}
 
 /// Returns the largest number of contributing scatterers in a cell.
 WOBBLEBENCH_SIMD int look_up_rows(const std::int32_t* rows,
@@ -95,7 +115,6 @@ WOBBLEBENCH_SIMD int look_up_rows(const std::int32_t* rows,
 /// The beam and the amplitudes, from the cells' rows.
 WOBBLEBENCH_SIMD void load_beams(const float* amplitude,
                                  int count,
-                                 float to_center,
                                  const BeamProjection& projection,
                                  const BatchRows& from,
                                  CellBatch& __restrict batch) {
@@ -104,7 +123,7 @@ WOBBLEBENCH_SIMD void load_beams(const float* amplitude,
   const BeamAtRow* rows = from.rows;
   const OctaveAtRow* octave = from.octave;
   for (int c = 0; c < count; ++c) {
-    const float center = batch.axial[c] + to_center;
+    const float center = batch.axial[c] + batch.to_center[c];
     const float within = within_row(center, rows_per_m, batch.row[c]);
     batch.lateral_columns_per_m[c] = rows[c].lateral_columns_at(within);
     batch.elevation_columns_per_m[c] = rows[c].elevation_columns_at(within);
@@ -123,29 +142,35 @@ WOBBLEBENCH_SIMD void load_beams(const float* amplitude,
     batch.count[c] = octave[c].count;
     batch.first_table_index[c] =
         rows[c].first_index +
-        part_index(batch.axial[c] + to_center, rows_per_m, batch.row[c], columns);
+        part_index(batch.axial[c] + batch.to_center[c], rows_per_m, batch.row[c], columns);
   }
 }
 
 /// Projects one scatterer of each cell.
-template <BeamRim rim>
+template <BeamRim rim, bool own_axes>
 WOBBLEBENCH_INLINE void project_cells(int count,
                                       std::int32_t scatterer,
                                       const HashAxes& axes,
                                       std::int32_t columns,
                                       const CellBatch& batch,
                                       ScattererLanes& __restrict lanes) {
-  const HashAxes unit = axes;
+  const BeamVector unit_x = axes.x, unit_y = axes.y, unit_z = axes.z;
   const auto half = static_cast<float>(columns);
+  // One coordinate of a scatterer: axial, lateral or elevation.
+  const auto place =
+      [&](int c, int row, float origin, const CellOffset& at, float x, float y, float z) {
+        return own_axes ? origin + at.x * batch.unit[0][row][c] + at.y * batch.unit[1][row][c] +
+                              at.z * batch.unit[2][row][c]
+                        : origin + at.x * x + at.y * y + at.z * z;
+      };
   for (int c = 0; c < count; ++c) {
     const std::uint32_t bits = scatterer_bits(batch.key[c], static_cast<std::uint32_t>(scatterer));
     const CellOffset at = scatterer_offset(bits);
-    const float axial =
-        batch.axial[c] + at.x * unit.x.axial + at.y * unit.y.axial + at.z * unit.z.axial;
+    const float axial = place(c, 0, batch.axial[c], at, unit_x.axial, unit_y.axial, unit_z.axial);
     const float lateral =
-        batch.lateral[c] + at.x * unit.x.lateral + at.y * unit.y.lateral + at.z * unit.z.lateral;
-    const float elevation = batch.elevation[c] + at.x * unit.x.elevation + at.y * unit.y.elevation +
-                            at.z * unit.z.elevation;
+        place(c, 1, batch.lateral[c], at, unit_x.lateral, unit_y.lateral, unit_z.lateral);
+    const float elevation =
+        place(c, 2, batch.elevation[c], at, unit_x.elevation, unit_y.elevation, unit_z.elevation);
     const float u = lateral * batch.lateral_columns_per_m[c];
     const float v = magnitude(elevation) * batch.elevation_columns_per_m[c];
     lanes.range_m[c] =
@@ -159,16 +184,31 @@ WOBBLEBENCH_INLINE void project_cells(int count,
   }
 }
 
+template <bool own_axes>
+WOBBLEBENCH_INLINE void project_in_rim(int count,
+                                       int scatterer,
+                                       const HashAxes& axes,
+                                       const BeamProjection& projection,
+                                       const CellBatch& batch,
+                                       ScattererLanes& __restrict lanes) {
+  const std::int32_t columns = projection.columns;
+  if (projection.rim == BeamRim::ellipse) {
+    project_cells<BeamRim::ellipse, own_axes>(count, scatterer, axes, columns, batch, lanes);
+  } else {
+    project_cells<BeamRim::diamond, own_axes>(count, scatterer, axes, columns, batch, lanes);
+  }
+}
+
 WOBBLEBENCH_SIMD void fill_lanes(int count,
                                  int scatterer,
-                                 const HashAxes& axes,
+                                 const CellAxes& axes,
                                  const BeamProjection& projection,
                                  const CellBatch& batch,
                                  ScattererLanes& __restrict lanes) {
-  if (projection.rim == BeamRim::ellipse) {
-    project_cells<BeamRim::ellipse>(count, scatterer, axes, projection.columns, batch, lanes);
+  if (axes.each) {
+    project_in_rim<true>(count, scatterer, *axes.axes, projection, batch, lanes);
   } else {
-    project_cells<BeamRim::diamond>(count, scatterer, axes, projection.columns, batch, lanes);
+    project_in_rim<false>(count, scatterer, *axes.axes, projection, batch, lanes);
   }
 }
 
@@ -215,7 +255,7 @@ void list_interface_hits(const std::uint8_t* selected_mask,
 
 int project_scatterers(const HashCellArrays& cells,
                        int count,
-                       const HashAxes& axes,
+                       const CellAxes& axes,
                        const BeamProjection& projection,
                        const ProjectedScatterers& projected,
                        MixedCellHits* mixed) {
@@ -228,11 +268,13 @@ int project_scatterers(const HashCellArrays& cells,
     const int batch_size = std::min(kCellsPerBatch, count - first),
               padded_count = padded(batch_size);
     const HashCellArrays these = cells.from(static_cast<std::size_t>(first));
-    load_cells(these, padded_count, axes.to_center, projection, batch);
+    const CellAxes these_axes = axes.from(static_cast<std::size_t>(first));
+    load_axes(these_axes, batch_size, batch);
+    load_cells(these, padded_count, projection, batch);
     const int max_count = look_up_rows(batch.row, batch_size, projection, rows);
-    load_beams(these.amplitude, padded_count, axes.to_center, projection, rows, batch);
+    load_beams(these.amplitude, padded_count, projection, rows, batch);
     for (int i = 0; i < max_count; ++i) {
-      fill_lanes(padded_count, i, axes, projection, batch, lanes);
+      fill_lanes(padded_count, i, these_axes, projection, batch, lanes);
       if (mixed != nullptr)
         apply_tissue(mixed->cells + first, batch_size, i, lanes, near_interface);
       const int before = written;

@@ -133,6 +133,14 @@ struct HashAxes {
   float to_center;  ///< axial distance of a cell's centre from its origin
 };
 
+/// The axes of some cells: one for all of them, or one for each.
+struct CellAxes {
+  const HashAxes* axes;
+  bool each;
+
+  CellAxes from(std::size_t first) const { return {each ? axes + first : axes, each}; }
+};
+
 /// The beam and one octave, for all scatterers of a stick.
 struct BeamProjection {
   const BeamAtRow* rows;
@@ -164,7 +172,7 @@ struct MixedCellHits {
 /// Returns how many.
 int project_scatterers(const HashCellArrays& cells,
                        int count,
-                       const HashAxes& axes,
+                       const CellAxes& axes,
                        const BeamProjection& projection,
                        const ProjectedScatterers& projected,
                        MixedCellHits* mixed = nullptr);

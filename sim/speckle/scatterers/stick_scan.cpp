@@ -153,25 +153,41 @@ void StickScan::scan_octave(Block& block, OctaveCells& cells, int octave) {
   const CellGrid& grid = cells.grid;
   block.key = scene_.cells.octaves[static_cast<std::size_t>(octave)].block_key(block.tissue.index);
   test_cells(grid.centers(), grid.count(), cell_test(block, grid, octave), buffers_.touched);
-  if (!block.linear) return project_deforming_cells(block, cells, octave);
-  queue_homogeneous_cells(block, octave, cells);
-  if (block.tissue.mixed != nullptr) queue_mixed_cells(block, octave, cells);
-  const std::size_t enough = block.deforms ? 1 : kQueuedCells;
-  if (cells.homogeneous.count >= enough) project_homogeneous(cells.homogeneous, grid.axes, octave);
-  if (cells.mixed.count >= enough) project_mixed(cells.mixed, grid.axes, octave, block.direction);
+  if (block.deforms) {
+    queue_deforming_cells(block, octave, cells);
+  } else {
+    queue_homogeneous_cells(block, octave, cells);
+    if (block.tissue.mixed != nullptr) queue_mixed_cells(block, octave, cells);
+  }
+  project(cells, octave, kQueuedCells, block.deforms ? nullptr : &block.direction);
+}
+
+void StickScan::project(OctaveCells& cells,
+                        int octave,
+                        std::size_t enough,
+                        const glm::vec3* direction) {
+  if (cells.homogeneous.count >= enough) {
+    project_homogeneous(cells.homogeneous, axes_of(cells, cells.homogeneous, direction), octave);
+  }
+  if (cells.mixed.count >= enough) {
+    project_mixed(cells.mixed, axes_of(cells, cells.mixed, direction), octave, direction);
+  }
+}
+
+CellAxes StickScan::axes_of(const OctaveCells& cells,
+                            const HashCellQueue& queue,
+                            const glm::vec3* direction) {
+  return direction ? CellAxes{&cells.grid.axes, false} : CellAxes{queue.axes.data(), true};
 }
 
 void StickScan::project_pending() {
-  for (std::size_t part = 0; part < 2; ++part) {
-    for (std::size_t i = 0; i < buffers_.rigid[part].size(); ++i) {
-      OctaveCells& cells = buffers_.rigid[part][i];
-      const int octave = static_cast<int>(i);
-      if (cells.homogeneous.count > 0)
-        project_homogeneous(cells.homogeneous, cells.grid.axes, octave);
-      if (cells.mixed.count > 0) {
-        project_mixed(cells.mixed, cells.grid.axes, octave, direction_[part]);
-      }
+  for (std::size_t i = 0; i < scene_.cells.octaves.size(); ++i) {
+    const int octave = static_cast<int>(i);
+    for (std::size_t part = 0; part < 2; ++part) {
+      if (buffers_.rigid[part].empty()) continue;
+      project(buffers_.rigid[part][i], octave, 1, &direction_[part]);
     }
+    if (!buffers_.deforming.empty()) project(buffers_.deforming[i], octave, 1, nullptr);
   }
 }
 
@@ -216,11 +232,13 @@ void StickScan::queue_mixed_cells(const Block& block, int octave, OctaveCells& c
   }
 }
 
-void StickScan::project_deforming_cells(const Block& block, OctaveCells& cells, int octave) {
+void StickScan::queue_deforming_cells(const Block& block, int octave, OctaveCells& cells) {
   const TissueBlocks& blocks = scene_.blocks;
-  const int listed = list_set_flags(buffers_.touched, cells.grid.count(), buffers_.list);
+  const CellGrid& grid = cells.grid;
+  const CellOrigin corner(block.beam_corner);
+  const int listed = list_set_flags(buffers_.touched, grid.count(), buffers_.list);
   for (int i = 0; i < listed; ++i) {
-    const int number = buffers_.list[i];
+    const std::int32_t number = buffers_.list[i];
     const int code = blocks.code(block.tissue, octave, number);
     const float amplitude = code >= 0 ? blocks.amplitude(code) : 1.0f;
     if (amplitude == 0) continue;
@@ -228,15 +246,18 @@ void StickScan::project_deforming_cells(const Block& block, OctaveCells& cells, 
     const HashCellArrays cell = queue.reserve(1);
     cell.seed[0] = hash_cell_seed(block.key, static_cast<std::uint32_t>(number));
     cell.amplitude[0] = amplitude;
-    const HashAxes axes = locate_deforming_cell(block, octave, number, cell.origin[0]);
-    queue.count = 1;
-    if (code >= 0) {
-      project_homogeneous(queue, axes, octave);
+    if (block.linear) {
+      cell.origin[0] = corner + grid.origins[static_cast<std::size_t>(number)];
+      queue.axes[queue.count] = grid.axes;
     } else {
-      queue.mixed[0] = &TissueBlocks::mixed_cell(block.tissue, code);
-      queue.blocks[0] = block.tissue.mixed;
-      project_mixed(queue, axes, octave, block.direction);
+      queue.axes[queue.count] = locate_deforming_cell(block, octave, number, cell.origin[0]);
     }
+    if (code < 0) {
+      queue.mixed[queue.count] = &TissueBlocks::mixed_cell(block.tissue, code);
+      queue.blocks[queue.count] = block.tissue.mixed;
+      queue.directions[queue.count] = block.direction;
+    }
+    ++queue.count;
   }
 }
 
@@ -252,7 +273,7 @@ HashAxes StickScan::locate_deforming_cell(const Block& block,
   return hash_axes(map, cell_m);
 }
 
-void StickScan::project_homogeneous(HashCellQueue& queue, const HashAxes& axes, int octave) {
+void StickScan::project_homogeneous(HashCellQueue& queue, const CellAxes& axes, int octave) {
   EchoQueue& echoes = buffers_.echoes;
   echoes.commit(
       project_scatterers(queue.cells(),
@@ -264,9 +285,9 @@ void StickScan::project_homogeneous(HashCellQueue& queue, const HashAxes& axes, 
 }
 
 void StickScan::project_mixed(HashCellQueue& queue,
-                              const HashAxes& axes,
+                              const CellAxes& axes,
                               int octave,
-                              const glm::vec3& direction) {
+                              const glm::vec3* direction) {
   EchoQueue& echoes = buffers_.echoes;
   const ProjectedScatterers projected = echoes.reserve(queue.count * kScatterersInCell);
   buffers_.hits.resize(std::max(buffers_.hits.size(), queue.count * kScatterersInCell));
@@ -284,8 +305,11 @@ void StickScan::project_mixed(HashCellQueue& queue,
   for (int i = 0; i < mixed.hit_count; ++i) {
     const InterfaceHit& hit = buffers_.hits[static_cast<std::size_t>(i)];
     const auto cell = static_cast<std::size_t>(hit.cell);
-    projected.amplitude[hit.projected] *= scene_.blocks.interface_amplitude(
-        *queue.blocks[cell], *queue.mixed[cell], hit.scatterer, direction);
+    projected.amplitude[hit.projected] *=
+        scene_.blocks.interface_amplitude(*queue.blocks[cell],
+                                          *queue.mixed[cell],
+                                          hit.scatterer,
+                                          direction ? *direction : queue.directions[cell]);
   }
   echoes.commit(count);
   queue.count = 0;

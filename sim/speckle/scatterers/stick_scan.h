@@ -72,18 +72,23 @@ class StickScan {
   int list_touched(const Block& block, int octave, int count, CellKind wanted);
   void queue_homogeneous_cells(const Block& block, int octave, OctaveCells& cells);
   void queue_mixed_cells(const Block& block, int octave, OctaveCells& cells);
-  /// Projects each cell of a block by a map of its own.
-  void project_deforming_cells(const Block& block, OctaveCells& cells, int octave);
+  /// Queues the cells of a block that moves non-rigidly, each with its own axes and direction.
+  void queue_deforming_cells(const Block& block, int octave, OctaveCells& cells);
   HashAxes locate_deforming_cell(const Block& block,
                                  int octave,
                                  int number,
                                  CellOrigin& origin) const;
-  /// Project the queued cells. `direction`: of the sound, at rest.
-  void project_homogeneous(HashCellQueue& queue, const HashAxes& axes, int octave);
+  /// Project the queued cells; project() those of queues that hold `enough`. `direction`: of the
+  /// sound, at rest; null: each cell has its own, and its own axes.
+  void project(OctaveCells& cells, int octave, std::size_t enough, const glm::vec3* direction);
+  static CellAxes axes_of(const OctaveCells& cells,
+                          const HashCellQueue& queue,
+                          const glm::vec3* direction);
+  void project_homogeneous(HashCellQueue& queue, const CellAxes& axes, int octave);
   void project_mixed(HashCellQueue& queue,
-                     const HashAxes& axes,
+                     const CellAxes& axes,
                      int octave,
-                     const glm::vec3& direction);
+                     const glm::vec3* direction);
   /// Projects the cells that are still queued.
   void project_pending();
 
