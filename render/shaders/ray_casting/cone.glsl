@@ -48,7 +48,7 @@ vec3 slice_coordinates(vec3 position, out float phi) {
 // The cone of valid data is the sector in the image plane times the fan across the planes.
 bool in_sector(vec3 slice) {
   float r2 = dot(slice.xy, slice.xy);
-  return r2 >= r_min_m * r_min_m && r2 <= r_max_m * r_max_m &&
+  return slice.y > 0.0 && r2 >= r_min_m * r_min_m && r2 <= r_max_m * r_max_m &&
          abs(slice.x) <= slice.y * tan_half_sector;
 }
 

@@ -59,7 +59,7 @@ void place_surface(March march) {
 #endif
 
 // Processes the samples of steps `begin` to `begin` + BLOCK - 1, at most `count` - 1; true if the
-// ray ends among them. A software driver takes both ways of each branch: what need not be done for
+// ray ends among them. A software driver executes both sides of each branch: what need not be done for
 // every sample waits for place_surface().
 bool process_block(inout March march, int begin, int count) {
   bool inside[BLOCK];

@@ -17,7 +17,7 @@ struct Fixture {
     hw::AcquisitionOptions acquisition = testing::small_plan().acquisition();
     if (skewed) acquisition.motor = hw::MotorMode::continuous;
     plan = hw::AcquisitionPlan(testing::small_plan().probe(), acquisition);
-    options.ray_casting.image_size = 60;  // not a multiple of a tile
+    options.ray_casting.image_size = 44;  // not a multiple of a tile
     geometry = SliceGeometry(plan, options.scan_conversion.slice_size);
     grid = make_macrocell_grid(geometry, pixels_within(geometry, options.volume_of_interest, 0));
   }
@@ -73,14 +73,14 @@ Span span_of(const std::vector<float>& spans, int image_size, int column, int ro
 
 class RaySpans : public ::testing::TestWithParam<bool> {};
 
-// Every place of a ray in a cell of the set lies in the span of the ray's tile, from whatever side
-// it is seen; and where no ray of a tile meets a cell, few tiles have a span.
+// Every position of a ray in a cell of the set lies in the span of the ray's tile, from whatever
+// side it is seen; and where no ray of a tile meets a cell, few tiles have a span.
 TEST_P(RaySpans, HoldAllThatRaysMeet) {
   Fixture f(GetParam());
   ASSERT_EQ(f.geometry.is_skewed(), GetParam());
   std::mt19937 random(11);
   int met = 0, tiles_with_span = 0, tiles_met = 0;
-  for (int trial = 0; trial < 30; ++trial) {
+  for (int trial = 0; trial < 12; ++trial) {
     f.options.view = random_view(random);
     const Camera camera = make_camera(f.options);
     const CellBits set = random_set(f.grid, 3, random);
@@ -92,7 +92,7 @@ TEST_P(RaySpans, HoldAllThatRaysMeet) {
       for (int column = 0; column < camera.image_size; ++column) {
         const hw::Ray ray = camera.ray(column, row);
         const Span span = span_of(spans, camera.image_size, column, row);
-        for (double t_m = 0; t_m < 0.7; t_m += 1e-3) {
+        for (double t_m = 0; t_m < 0.7; t_m += 2e-3) {
           const int sweep = GetParam() && trial % 2 ? -1 : 1;
           if (!in_set(f, set, ray.at(t_m), sweep)) continue;
           ++met;
@@ -107,7 +107,7 @@ TEST_P(RaySpans, HoldAllThatRaysMeet) {
       tiles_with_span += spans[2 * i + 1] >= spans[2 * i];
     }
   }
-  EXPECT_GT(met, 300);
+  EXPECT_GT(met, 50);
   EXPECT_LE(tiles_with_span, 4 * tiles_met);
 }
 

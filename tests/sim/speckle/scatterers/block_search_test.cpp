@@ -1,5 +1,5 @@
-// The blocks that a stick's beam touches, against places in the beam that are mapped back to tissue
-// at rest.
+// The blocks that a stick's beam touches, against positions in the beam that are mapped back to
+// tissue at rest.
 #include "sim/speckle/scatterers/block_search.h"
 
 #include <gtest/gtest.h>
@@ -54,8 +54,8 @@ Index index_of(const glm::ivec3& index) {
   return {index.x, index.y, index.z};
 }
 
-/// A place in the beam, in beam coordinates.
-glm::dvec3 place_in_beam(const Search& search, const TimedRay& line, std::mt19937& random) {
+/// A position in the beam, in beam coordinates.
+glm::dvec3 position_in_beam(const Search& search, const TimedRay& line, std::mt19937& random) {
   std::uniform_real_distribution<double> range_m(0, kEnd_m), angle_rad(0, 2 * kPi), share(0, 1);
   const double x = range_m(random), angle = angle_rad(random), radius = std::sqrt(share(random));
   const BeamTable& beam = search.beam;
@@ -74,8 +74,8 @@ class BlockSearch : public ::testing::TestWithParam<phantoms::MotionOptions> {
   std::mt19937 random_{3};
 };
 
-TEST_P(BlockSearch, FindsTheBlockOfEveryPlaceInTheBeamOnce) {
-  std::size_t places = 0;
+TEST_P(BlockSearch, FindsTheBlockOfEveryPositionInTheBeamOnce) {
+  std::size_t positions = 0;
   for (const hw::StickIndex index : {hw::StickIndex{1, 18, 32}, {2, 2, 60}, {3, 30, 8}}) {
     const TimedRay line = stick_ray(search_.plan, index);
     const StickTransform transform(search_.tissue, line);
@@ -86,16 +86,16 @@ TEST_P(BlockSearch, FindsTheBlockOfEveryPlaceInTheBeamOnce) {
     }
     std::set<Index> needed;
     for (int i = 0; i < 20000; ++i) {
-      const glm::dvec3 rest = transform.to_rest(place_in_beam(search_, line, random_));
+      const glm::dvec3 rest = transform.to_rest(position_in_beam(search_, line, random_));
       const glm::ivec3 block(glm::floor((rest - kGrid.origin_m) / kGrid.side_m));
       if (glm::clamp(block, kGrid.first, kGrid.last) != block) continue;
-      ++places;
+      ++positions;
       needed.insert(index_of(block));
       EXPECT_TRUE(found.contains(index_of(block))) << rest.x << " " << rest.y << " " << rest.z;
     }
     EXPECT_LT(found.size(), 3 * needed.size());
   }
-  EXPECT_GT(places, 30000u);
+  EXPECT_GT(positions, 30000u);
 }
 
 TEST_P(BlockSearch, TellsHowABlockMoves) {
