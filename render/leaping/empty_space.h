@@ -10,7 +10,7 @@
 
 namespace wobblebench::render {
 
-/// Skippable cells of a volume, and from them, on demand, the textures that rays read.
+/// Skippable cells of a volume, and from them, on demand, the textures that rays read that leap.
 class EmptySpace {
  public:
   /// `bounds`: shared by the volumes of one grid; must outlive them.

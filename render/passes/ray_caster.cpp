@@ -201,12 +201,13 @@ RayCaster::RayCaster(const SliceGeometry& geometry,
   const bool leaps = empty_space && empty_space->cells().can_leap();
   const bool fits = !counts_loop_turns() || loop_turns(geometry, options, leaps) <= kMostLoopTurns;
   if (!fits) check_loop_turns(loop_turns(geometry, options, false), options);
-  ray_cast_ = make_program(defines(geometry, options, leaps && fits), is_fast(options) && fits);
+  leaps_ = leaps && fits;
+  ray_cast_ = make_program(defines(geometry, options, leaps_), is_fast(options) && fits);
   set_view(options);
   set_box(options);
   set_cone(volume.pixels());
   is_fast(options) ? set_fan() : set_motion_table();
-  if (leaps && fits) set_macrocells(empty_space->cells());
+  if (leaps_) set_macrocells(empty_space->cells());
   set_sampling(options);
   check_gl("ray casting: setting up");
 }
@@ -307,14 +308,14 @@ void RayCaster::cast(SliceVolume& volume) {
   ray_cast_.set("first_frame", volume.covered().first).set("last_frame", volume.covered().last);
   if (geometry_.is_skewed()) ray_cast_.set("frame_skew", geometry_.frame_skew(volume.sweep));
   const Binding slices{kSlices, &volume.slices()}, transfer{kTransfer, &transfer_};
-  if (EmptySpace* empty_space = volume.empty_space()) {
-    ray_cast_.draw(target_,
-                   {slices,
-                    transfer,
-                    {kDistances, &empty_space->distances()},
-                    {kSpans, &empty_space->spans()}});
-  } else {
+  if (leaps_) {
+    EmptySpace& space = *volume.empty_space();
+    const Binding distances{kDistances, &space.distances()}, spans{kSpans, &space.spans()};
+    ray_cast_.draw(target_, {slices, transfer, distances, spans});
+  } else if (motion_table_) {
     ray_cast_.draw(target_, {slices, {kMotionTable, &motion_table_}, transfer});
+  } else {
+    ray_cast_.draw(target_, {slices, transfer});
   }
   check_gl("ray casting");
 }

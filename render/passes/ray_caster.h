@@ -44,6 +44,7 @@ class RayCaster {
 
   SliceGeometry geometry_;
   bool measures_level_;  ///< the threshold is that of the volume
+  bool leaps_ = false;   ///< over cells of the volume's empty space
   Texture motion_table_, transfer_, color_, depth_;
   Framebuffer target_;
   FragmentProgram ray_cast_;
