@@ -22,7 +22,8 @@ template <class Texel>
 Texel to_texel(float sample) {
   if constexpr (std::is_same_v<Texel, float>) return sample;
   // Rounds to nearest, as samples are not negative; vectorised, unlike lround.
-  return static_cast<Texel>(sample * 65535.0f + 0.5f);
+  const float scaled = sample * 65535.0f + 0.5f;
+  return static_cast<Texel>(scaled);
 }
 
 /// The weighted sum of a part of the frames' sticks, from sample `begin` of the frames on.
