@@ -1,7 +1,7 @@
 // Pass 1, mode fast: bounds of the macrocells between two slices
 // (render/leaping/skippable_cells.h), over each cell's pixels and those that a bilinear fetch in
-// the cell also reads. One draw handles groups of four slices, CELL_ROWS rows of cells each, and the
-// three intervals between the slices of each group.
+// the cell also reads. One draw handles groups of four slices, CELL_ROWS rows of cells each, and
+// the three intervals between the slices of each group.
 layout(binding = BIND_SLICES) uniform sampler2DArray slices;
 
 // For each interval: minimum and maximum value, largest rise and fall along x; then the largest

@@ -59,8 +59,8 @@ void place_surface(March march) {
 #endif
 
 // Processes the samples of steps `begin` to `begin` + BLOCK - 1, at most `count` - 1; true if the
-// ray ends among them. A software driver executes both sides of each branch: what need not be done for
-// every sample waits for place_surface().
+// ray ends among them. A software driver executes both sides of each branch: what need not be done
+// for every sample waits for place_surface().
 bool process_block(inout March march, int begin, int count) {
   bool inside[BLOCK];
   fetch_block(march, begin, inside);
@@ -143,8 +143,8 @@ float cells_to_sampled(ivec3 index) {
   return floor(texelFetch(distances, index, 0).r * 255.0 + 0.5);
 }
 
-// Number of steps that a ray can skip from this position, of these slice coordinates; 0: this position
-// must be sampled.
+// Number of steps that a ray can skip from this position, of these slice coordinates; 0: this
+// position must be sampled.
 int leap_from(Ray ray, vec3 position, vec3 slice) {
   vec3 cell = to_cells(slice);
   ivec3 index = ivec3(floor(cell));
