@@ -323,6 +323,7 @@ void SkippableCells::classify(int interval, int row, Classes& classes) const {
 CellBits SkippableCells::to_sample() const {
   const std::size_t words =
       static_cast<std::size_t>(grid_.rows) * static_cast<std::size_t>(grid_.intervals);
+  if (!can_leap_) return CellBits(words, column_mask(grid_));
   const CellBits none(words, 0);
   Classes cells{none, none, none, none};
   parallel_rows(grid_.intervals, [&](int interval) {
@@ -338,14 +339,6 @@ CellBits SkippableCells::to_sample() const {
     cells.border[word] |= cells.steep[word] | cells.visible[word];
   }
   return cells.border;
-}
-
-std::vector<std::uint8_t> SkippableCells::distances() const {
-  const auto cells = static_cast<std::size_t>(grid_.columns) *
-                     static_cast<std::size_t>(grid_.rows) *
-                     static_cast<std::size_t>(grid_.intervals);
-  if (!can_leap_) return std::vector<std::uint8_t>(cells, 0);
-  return cell_distances(to_sample(), grid_);
 }
 
 MacrocellGrid make_macrocell_grid(const SliceGeometry& geometry, const Region& pixels) {

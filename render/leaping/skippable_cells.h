@@ -81,13 +81,10 @@ class SkippableCells {
   /// SliceVolume::covered().
   void set_covered(const FrameSpan& covered) { covered_ = covered; }
 
-  /// The cells that must be sampled, where can_leap(). Those on the cone's border are among them,
-  /// so that a ray detects that it leaves the cone, unless no ray of the view can come back into
-  /// it.
+  /// The cells that must be sampled; all of them unless can_leap(). Those on the cone's border are
+  /// among them, so that a ray detects that it leaves the cone, unless no ray of the view can come
+  /// back into it.
   CellBits to_sample() const;
-  /// For each cell ([interval][row][column]), the Chebyshev distance to the nearest of to_sample(),
-  /// at most kMaxCellDistance; 0: this one.
-  std::vector<std::uint8_t> distances() const;
 
   const MacrocellGrid& grid() const { return grid_; }
   const SliceGeometry& geometry() const { return geometry_; }

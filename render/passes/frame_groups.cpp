@@ -5,6 +5,7 @@
 #include <type_traits>
 
 #include "base/parallel.h"
+#include "render/passes/scan_converter.h"
 
 namespace wobblebench::render {
 namespace {
@@ -20,10 +21,11 @@ std::array<int, 2> indices_between(float low, float high, int all) {
 
 template <class Texel>
 Texel to_texel(float sample) {
-  if constexpr (std::is_same_v<Texel, float>) return sample;
-  // Rounds to nearest, as samples are not negative; vectorised, unlike lround.
-  const float scaled = sample * 65535.0f + 0.5f;
-  return static_cast<Texel>(scaled);
+  if constexpr (std::is_same_v<Texel, float>) {
+    return sample;
+  } else {
+    return to_fixed_point(sample);
+  }
 }
 
 /// The weighted sum of a part of the frames' sticks, from sample `begin` of the frames on.

@@ -91,11 +91,7 @@ FrameTexture::FrameTexture(const hw::AcquisitionPlan& plan, TextureFormat format
 
 const std::vector<std::uint16_t>& FrameTexture::fixed_point(const std::vector<float>& samples) {
   fixed_point_.resize(samples.size());
-  std::transform(samples.begin(), samples.end(), fixed_point_.begin(), [](float sample) {
-    // Rounds to nearest, as samples are not negative; vectorised, unlike lround.
-    const float scaled = sample * 65535.0f + 0.5f;
-    return static_cast<std::uint16_t>(scaled);
-  });
+  std::transform(samples.begin(), samples.end(), fixed_point_.begin(), to_fixed_point);
   return fixed_point_;
 }
 

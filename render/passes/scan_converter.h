@@ -19,6 +19,12 @@ struct SliceFormats {
 };
 SliceFormats slice_formats(TextureFormat format);
 
+/// A sample in [0, 1] as 16-bit fixed point, to nearest; vectorised, unlike lround.
+inline std::uint16_t to_fixed_point(float sample) {
+  const float scaled = sample * 65535.0f + 0.5f;
+  return static_cast<std::uint16_t>(scaled);
+}
+
 /// A frame (samples x lines); 16-bit fixed point, or float where slices are float, so that the
 /// upload loses no precision that slices would keep.
 class FrameTexture {

@@ -84,13 +84,12 @@ class StickTransform {
 
   /// True if all tissue moves as one rigid body.
   bool rigid() const { return rigid_; }
-  /// The map of all tissue, if rigid().
-  const RestToBeam& map() const { return rigid_maps_[0]; }
   /// How tissue moves within a distance of a position at rest.
   phantoms::Deformation::Turn turn_within(const glm::dvec3& rest_m, double radius_m) const {
     return moment_.turn_within(rest_m, radius_m);
   }
-  /// The map of tissue that moves as one rigid body: rests, or turns as a whole.
+  /// The map of tissue that moves as one rigid body: rests, or turns as a whole. Turn::none: that
+  /// of all tissue, if rigid().
   const RestToBeam& rigid_map(phantoms::Deformation::Turn turn) const {
     return rigid_maps_[static_cast<std::size_t>(turn)];
   }

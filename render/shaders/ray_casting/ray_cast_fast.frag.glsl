@@ -88,8 +88,8 @@ bool process_block(inout March march, int begin, int count) {
   return ended;
 }
 
-layout(binding = BIND_DISTANCES) uniform sampler3D distances;  // SkippableCells::distances()
-layout(binding = BIND_SPANS) uniform sampler2D spans;          // ray_spans()
+layout(binding = BIND_DISTANCES) uniform sampler3D distances;  // EmptySpace::distances()
+layout(binding = BIND_SPANS) uniform sampler2D spans;          // EmptySpace::spans()
 
 uniform vec2 cell_origin_m, cell_m;   // (x, depth)
 uniform vec2 fan_side_1, fan_side_2;  // inward normals over (y, z - axis)

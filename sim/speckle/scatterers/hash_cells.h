@@ -62,8 +62,7 @@ struct BlockCells;
 BeamVector to_float(const glm::dvec3& v);
 /// Hash units of cells of this size in beam coordinates, by a map that is valid there.
 HashAxes hash_axes(const RestToBeam& map, double cell_m);
-/// Origin of a hash cell's scatterers. `low_corner_m`: at rest, or relative to a block's corner if
-/// the map has no shift.
+/// Origin of a hash cell's scatterers. `low_corner_m`: at rest.
 CellOrigin cell_origin(const RestToBeam& map, const glm::dvec3& low_corner_m, double cell_m);
 
 /// An octave's hash cells in a block, in beam coordinates relative to the block's low corner.

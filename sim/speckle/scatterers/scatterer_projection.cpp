@@ -184,31 +184,21 @@ WOBBLEBENCH_INLINE void project_cells(int count,
   }
 }
 
-template <bool own_axes>
-WOBBLEBENCH_INLINE void project_in_rim(int count,
-                                       int scatterer,
-                                       const HashAxes& axes,
-                                       const BeamProjection& projection,
-                                       const CellBatch& batch,
-                                       ScattererLanes& __restrict lanes) {
-  const std::int32_t columns = projection.columns;
-  if (projection.rim == BeamRim::ellipse) {
-    project_cells<BeamRim::ellipse, own_axes>(count, scatterer, axes, columns, batch, lanes);
-  } else {
-    project_cells<BeamRim::diamond, own_axes>(count, scatterer, axes, columns, batch, lanes);
-  }
-}
-
 WOBBLEBENCH_SIMD void fill_lanes(int count,
                                  int scatterer,
                                  const CellAxes& axes,
                                  const BeamProjection& projection,
                                  const CellBatch& batch,
                                  ScattererLanes& __restrict lanes) {
-  if (axes.each) {
-    project_in_rim<true>(count, scatterer, *axes.axes, projection, batch, lanes);
+  const HashAxes& shared = *axes.axes;
+  const std::int32_t columns = projection.columns;
+  constexpr auto kEllipse = BeamRim::ellipse, kDiamond = BeamRim::diamond;
+  if (projection.rim == kEllipse) {
+    axes.each ? project_cells<kEllipse, true>(count, scatterer, shared, columns, batch, lanes)
+              : project_cells<kEllipse, false>(count, scatterer, shared, columns, batch, lanes);
   } else {
-    project_in_rim<false>(count, scatterer, *axes.axes, projection, batch, lanes);
+    axes.each ? project_cells<kDiamond, true>(count, scatterer, shared, columns, batch, lanes)
+              : project_cells<kDiamond, false>(count, scatterer, shared, columns, batch, lanes);
   }
 }
 

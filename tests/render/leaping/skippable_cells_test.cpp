@@ -29,6 +29,11 @@ struct Fixture {
   }
 };
 
+/// For each cell ([interval][row][column]) the distance to the nearest one that must be sampled.
+std::vector<std::uint8_t> distances_of(const SkippableCells& cells) {
+  return cell_distances(cells.to_sample(), cells.grid());
+}
+
 int count_sampled(const std::vector<std::uint8_t>& distances) {
   return static_cast<int>(std::count(distances.begin(), distances.end(), 0));
 }
@@ -38,7 +43,7 @@ std::vector<MacrocellBounds> flat(const MacrocellGrid& grid, float value) {
                                       MacrocellBounds{value, value, {}, {}});
 }
 
-/// Index of a cell in distances().
+/// Index of a cell in distances_of().
 std::size_t at(const MacrocellGrid& l, int interval, int row, int column) {
   return static_cast<std::size_t>((interval * l.rows + row) * l.columns + column);
 }
@@ -48,7 +53,7 @@ TEST(SkippableCells, ConstantSlicesAreSkippedEntirely) {
   SkippableCells cells = fixture.cells();
   ASSERT_TRUE(cells.can_leap());
   for (int k = 0; k < 20; ++k) cells.set_bounds(k, flat(cells.grid(), 1));
-  const auto distances = cells.distances();
+  const auto distances = distances_of(cells);
   EXPECT_EQ(count_sampled(distances), 0);
   EXPECT_EQ(*std::min_element(distances.begin(), distances.end()), kMaxCellDistance);
 }
@@ -63,7 +68,7 @@ TEST(SkippableCells, DistancesAreChebyshevDistances) {
     bounds[random() % bounds.size()].depth.rise = 0.9f;
     cells.set_bounds(k, bounds);
   }
-  const auto distances = cells.distances();
+  const auto distances = distances_of(cells);
   ASSERT_GT(count_sampled(distances), 20);
   for (int trial = 0; trial < 300; ++trial) {
     const int k = int(random() % unsigned(l.intervals)), j = int(random() % unsigned(l.rows)),
@@ -92,7 +97,7 @@ TEST(SkippableCells, AnEdgeIsSampledDownstreamWithinTheBuffer) {
   auto bounds = flat(l, 0.5f);
   bounds[static_cast<std::size_t>(row * l.columns + column)].depth.rise = 0.9f;
   cells.set_bounds(interval, bounds);
-  const auto distances = cells.distances();
+  const auto distances = distances_of(cells);
   EXPECT_EQ(distances[at(l, interval, row, column)], 0);
   EXPECT_EQ(distances[at(l, interval, row + 1, column)], 0);  // downstream: rays run along depth
   EXPECT_NE(distances[at(l, interval, row - 1, column)], 0);  // upstream of the edge
@@ -108,7 +113,7 @@ TEST(SkippableCells, AnEdgeOfTheOtherSignIsSkipped) {
     auto bounds = flat(cells.grid(), 0.5f);
     for (MacrocellBounds& b : bounds) b.depth.fall = 0.9f;
     for (int k = 0; k < 20; ++k) cells.set_bounds(k, bounds);
-    EXPECT_EQ(count_sampled(cells.distances()) > 0, edge == EdgeSign::falling);
+    EXPECT_EQ(count_sampled(distances_of(cells)) > 0, edge == EdgeSign::falling);
   }
 }
 
@@ -125,7 +130,7 @@ TEST(SkippableCells, SlopesBelowTheThresholdAreSkippedAndAboveItSampled) {
     auto bounds = flat(cells.grid(), 0.5f);
     for (MacrocellBounds& b : bounds) b.depth.rise = static_cast<float>(share * detectable_rise);
     for (int k = 0; k < 20; ++k) cells.set_bounds(k, bounds);
-    EXPECT_EQ(count_sampled(cells.distances()) > 0, share > 1) << share;
+    EXPECT_EQ(count_sampled(distances_of(cells)) > 0, share > 1) << share;
   }
 }
 
@@ -139,7 +144,7 @@ TEST(SkippableCells, SamplesTooDarkForTheThresholdAreSkipped) {
     auto bounds = flat(cells.grid(), brightest);
     for (MacrocellBounds& b : bounds) b.depth.rise = 0.9f;
     for (int k = 0; k < 20; ++k) cells.set_bounds(k, bounds);
-    EXPECT_EQ(count_sampled(cells.distances()) > 0, share > 1) << share;
+    EXPECT_EQ(count_sampled(distances_of(cells)) > 0, share > 1) << share;
   }
 }
 
@@ -152,7 +157,7 @@ TEST(SkippableCells, FloorSamplesWhereAValueReachesTheRise) {
   cells.set_level(0.4);
   for (const float value : {0.39f, 0.41f}) {
     for (int k = 0; k < 20; ++k) cells.set_bounds(k, flat(cells.grid(), value));
-    EXPECT_EQ(count_sampled(cells.distances()) > 0, value > 0.4f) << value;
+    EXPECT_EQ(count_sampled(distances_of(cells)) > 0, value > 0.4f) << value;
   }
 }
 
@@ -161,9 +166,9 @@ TEST(SkippableCells, VisibleCellsAreSampled) {
   fixture.options.ray_casting.mode = RenderMode::volume;  // opaque from 0.2 on
   SkippableCells cells = fixture.cells();
   for (int k = 0; k < 20; ++k) cells.set_bounds(k, flat(cells.grid(), 0.19f));
-  EXPECT_EQ(count_sampled(cells.distances()), 0);
+  EXPECT_EQ(count_sampled(distances_of(cells)), 0);
   cells.set_bounds(5, flat(cells.grid(), 0.21f));
-  EXPECT_EQ(count_sampled(cells.distances()), cells.grid().columns * cells.grid().rows);
+  EXPECT_EQ(count_sampled(distances_of(cells)), cells.grid().columns * cells.grid().rows);
 }
 
 /// Whether a ray of some pixel leaves the cone of valid data and comes back, by samples 0.2 mm
@@ -199,8 +204,8 @@ TEST(SkippableCells, TheConesBorderIsSampledWhereARayMayComeBackIntoTheCone) {
     view.eye_distance_m = 0.5;
     SkippableCells cells = fixture.cells();
     for (int k = 0; k < 20; ++k) cells.set_bounds(k, flat(cells.grid(), 0.5f));
-    const int sampled = count_sampled(cells.distances());
-    EXPECT_LT(sampled, int(cells.distances().size()) / 2);
+    const int sampled = count_sampled(distances_of(cells));
+    EXPECT_LT(sampled, int(distances_of(cells).size()) / 2);
     views_without += sampled == 0;
     if (some_ray_returns(fixture.geometry, make_camera(fixture.options))) {
       ++views_that_return;
@@ -218,7 +223,7 @@ TEST(SkippableCells, EverythingIsSampledWithASingleFrame) {
   fixture.plan = hw::AcquisitionPlan(hw::ProbeOptions{}, single);
   fixture.geometry = SliceGeometry(fixture.plan, 128);
   EXPECT_FALSE(fixture.cells().can_leap());
-  const auto distances = fixture.cells().distances();
+  const auto distances = distances_of(fixture.cells());
   EXPECT_EQ(count_sampled(distances), int(distances.size()));
 }
 
