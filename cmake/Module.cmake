@@ -5,6 +5,7 @@ include(GNUInstallDirs)
 # Flags of every target of ours. Contraction is off so that results match across machines; a designated
 # initialiser that names only what differs from the defaults is how we write options.
 function(wobblebench_flags target)
+  wobblebench_unity(${target})
   target_compile_features(${target} PUBLIC cxx_std_20)
   target_compile_options(${target} PRIVATE -Wall -Wextra -Wshadow -Wconversion -Wno-sign-conversion
     -Wnon-virtual-dtor -Wno-missing-field-initializers -ffp-contract=off)
@@ -16,6 +17,26 @@ function(wobblebench_flags target)
       -fno-sanitize-recover=all -fno-omit-frame-pointer)
     target_link_options(${target} PUBLIC -fsanitize=${WOBBLEBENCH_SANITIZE})
   endif()
+endfunction()
+
+# wobblebench_unity(TARGET): compiles the sources of a folder as one, in groups of at most eight, so that their headers
+# are read and their templates instantiated once. Names in anonymous namespaces are therefore unique within a folder.
+# The presets `dev` and `render-only` compile each source by itself, so that no include is missing where it is used.
+option(WOBBLEBENCH_UNITY "Compile the sources of a folder as one" ON)
+function(wobblebench_unity target)
+  if(NOT WOBBLEBENCH_UNITY)
+    return()
+  endif()
+  get_target_property(sources ${target} SOURCES)
+  list(SORT sources)
+  foreach(source IN LISTS sources)
+    get_filename_component(folder "${source}" DIRECTORY)
+    string(MAKE_C_IDENTIFIER "${folder}" group)
+    math(EXPR members_${group} "${members_${group}} + 1")
+    math(EXPR part "(${members_${group}} - 1) / 8")
+    set_property(SOURCE "${source}" PROPERTY UNITY_GROUP "${group}${part}")
+  endforeach()
+  set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_MODE GROUP)
 endfunction()
 
 # wobblebench_precompile(TARGET HEADERS…): reading headers is half of a build, so the heavy ones are read once a

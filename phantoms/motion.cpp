@@ -115,10 +115,10 @@ glm::dvec3 JawRise::to_rest(const glm::dvec3& now_m) const {
   if (!within_box(p)) return now_m;
   const double rise = rise_m_ * share_across(mouth_, p.x).value * share_behind(mouth_, p.z).value;
   constexpr double kConverged_m = 1e-14;
-  constexpr int kMostSteps = 60;
+  constexpr int kMostBisections = 60;
   // v - rise g(v) - y rises with v: its root lies where it changes sign.
   double low = p.y, high = p.y + rise, v = p.y;
-  for (int step = 0; step < kMostSteps; ++step) {
+  for (int step = 0; step < kMostBisections; ++step) {
     const Value g = share_at(mouth_, v);
     const double excess = v - rise * g.value - p.y;
     (excess > 0 ? high : low) = v;

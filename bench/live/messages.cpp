@@ -32,15 +32,15 @@ void put_number(std::uint32_t number, int bytes, std::string& to) {
 
 /// sRGB's transfer function as a table, whose steps are finer than those of 8 bits.
 float display_value(float light) {
-  constexpr int kSteps = 1 << 14;
+  constexpr int kTableSteps = 1 << 14;
   static const std::vector<float> table = [] {
     std::vector<float> values;
-    for (int i = 0; i <= kSteps; ++i) {
-      values.push_back(encoded(static_cast<float>(i) / static_cast<float>(kSteps)));
+    for (int i = 0; i <= kTableSteps; ++i) {
+      values.push_back(encoded(static_cast<float>(i) / static_cast<float>(kTableSteps)));
     }
     return values;
   }();
-  const float at = std::clamp(light, 0.0F, 1.0F) * static_cast<float>(kSteps);
+  const float at = std::clamp(light, 0.0F, 1.0F) * static_cast<float>(kTableSteps);
   return table[static_cast<std::size_t>(std::lrint(at))];
 }
 

@@ -18,7 +18,7 @@ namespace wobblebench::hw {
 namespace {
 
 /// How often the thread checks for a stop.
-constexpr auto kPollInterval = std::chrono::milliseconds(5);
+constexpr auto kFifoPollInterval = std::chrono::milliseconds(5);
 
 /// So that write(2) gives EPIPE when the reader closes, instead of ending the process.
 void block_broken_pipe() {
@@ -35,7 +35,7 @@ bool write_all(const FileDescriptor& fifo,
   while (!bytes.empty()) {
     if (unplugged.stop_requested()) return false;
     pollfd watched{fifo.get(), POLLOUT, 0};
-    ::poll(&watched, 1, static_cast<int>(kPollInterval.count()));
+    ::poll(&watched, 1, static_cast<int>(kFifoPollInterval.count()));
     const ssize_t count = ::write(fifo.get(), bytes.data(), bytes.size());
     if (count > 0) bytes = bytes.subspan(static_cast<std::size_t>(count));
     if (count < 0 && errno != EAGAIN && errno != EINTR) return false;
@@ -66,11 +66,11 @@ void FifoEmulator::feed(const std::stop_token& unplugged) {
   while (!fifo.is_open() && !unplugged.stop_requested()) {
     // ENXIO until a reader has opened it.
     fifo = FileDescriptor(::open(path_.c_str(), O_WRONLY | O_NONBLOCK | O_CLOEXEC));
-    if (!fifo.is_open()) std::this_thread::sleep_for(kPollInterval);
+    if (!fifo.is_open()) std::this_thread::sleep_for(kFifoPollInterval);
   }
   std::array<std::byte, 65536> buffer;
   while (!unplugged.stop_requested()) {
-    const ReadResult result = source_->read(buffer, HostClock::now() + kPollInterval);
+    const ReadResult result = source_->read(buffer, HostClock::now() + kFifoPollInterval);
     if (result.status == ReadStatus::timeout) continue;
     if (result.status != ReadStatus::ok) return;
     if (!write_all(fifo, std::span(buffer).first(result.bytes), unplugged)) return;

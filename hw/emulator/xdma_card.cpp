@@ -53,7 +53,7 @@ std::size_t PacketFeed::take(std::span<std::byte> to, HostTime deadline) {
 namespace {
 
 /// How often a waiting read checks whether it has to end.
-constexpr auto kPollInterval = std::chrono::milliseconds(5);
+constexpr auto kCardPollInterval = std::chrono::milliseconds(5);
 /// Longest delay of the release of a closed file in the kernel.
 constexpr auto kReleaseTimeout = std::chrono::seconds(1);
 
@@ -137,7 +137,7 @@ std::ptrdiff_t XdmaCard::run(Transfer& transfer) {
     const auto filled = static_cast<std::ptrdiff_t>(transfer.filled);
     if (transfer.interrupted()) return filled > 0 ? filled : -EINTR;
     const HostTime now = HostClock::now();
-    const HostTime until = std::min(now + kPollInterval, transfer.deadline);
+    const HostTime until = std::min(now + kCardPollInterval, transfer.deadline);
     const bool can_send = start_packet(transfer.opening);
     if (opening(transfer.handle) == nullptr) return -ENODEV;
     if (can_send && fill(transfer, until)) {

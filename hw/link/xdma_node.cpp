@@ -20,8 +20,6 @@ namespace {
 
 /// The driver's ioctl for the alignment of its engine (cdev_sgdma.h).
 constexpr unsigned long kAlignGet = _IOR('q', 6, int);
-/// Alignment for a driver without that ioctl: a page suits every engine.
-constexpr std::size_t kPageBytes = 4096;
 
 /// The kernel requires write permission for O_TRUNC.
 const char* allowed(OpenFault fault, bool end_of_packet) {

@@ -16,6 +16,9 @@ enum class XdmaNodeKind {
   emulator,  ///< a file on a FUSE file system: the emulated driver
 };
 
+/// The alignment that suits every engine: a page.
+inline constexpr std::size_t kPageBytes = 4096;
+
 struct XdmaNode {
   FileDescriptor file;
   XdmaNodeKind kind = XdmaNodeKind::card;

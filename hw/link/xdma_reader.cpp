@@ -18,7 +18,6 @@ namespace {
 /// About 0.4 s of the paper's stream.
 constexpr std::size_t kQueueBytes = 4U << 20U;
 constexpr std::size_t kLeastQueuedTransfers = 4;
-constexpr std::size_t kPageBytes = 4096;
 /// After a read that returned nothing: avoids polling a million times a second.
 constexpr auto kIdlePause = std::chrono::milliseconds(1);
 

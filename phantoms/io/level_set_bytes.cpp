@@ -23,7 +23,7 @@ using openvdb::math::UniformScaleMap;
 using openvdb::math::UniformScaleTranslateMap;
 
 constexpr int kWords = Leaf::SIZE / 64;
-constexpr std::int32_t kFarthest = 1 << 20;  // voxels from the origin: 100 m and more
+constexpr std::int32_t kFarthestVoxel = 1 << 20;  // voxels from the origin: 100 m and more
 
 /// A leaf of the tree but its active values.
 struct LeafHead {
@@ -45,7 +45,7 @@ std::array<std::int32_t, 3> array_of(const openvdb::Coord& at) {
 
 openvdb::Coord coord_of(const std::array<std::int32_t, 3>& at) {
   for (const std::int32_t along : at) {
-    expect_bytes(along >= -kFarthest && along <= kFarthest, "a voxel is too far away");
+    expect_bytes(along >= -kFarthestVoxel && along <= kFarthestVoxel, "a voxel is too far away");
   }
   return {at[0], at[1], at[2]};
 }

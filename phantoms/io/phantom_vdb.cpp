@@ -227,10 +227,10 @@ class Metadata {
   const openvdb::MetaMap& meta_;
 };
 
-constexpr int kMostEntries = 10000;  // a damaged count must not exhaust memory
+constexpr int kMostListed = 10000;  // a damaged count must not exhaust memory
 
 std::vector<Material> read_materials(const Metadata& meta) {
-  std::vector<Material> materials(meta.integer("materials", 1, kMostEntries));
+  std::vector<Material> materials(meta.integer("materials", 1, kMostListed));
   for (int i = 0; i < int(materials.size()); ++i) {
     materials[i].name = meta.text(key_of("material", i, "name"));
     for (const auto& [field, value] : kMaterialNumbers) {
@@ -298,7 +298,7 @@ Phantom phantom_from(const openvdb::MetaMap& file_meta, const std::vector<VdbGri
   const int last_row = int(materials.size()) - 1;
   std::vector<Surface> surfaces;
   auto grids = std::make_shared<Grids>();
-  const int count = meta.integer("surfaces", 0, kMostEntries);
+  const int count = meta.integer("surfaces", 0, kMostListed);
   for (int i = 0; i < count; ++i) {
     surfaces.push_back({meta.text(key_of("surface", i, "name")),
                         meta.integer(key_of("surface", i, "inside"), 0, last_row),

@@ -22,7 +22,7 @@ using Branch = FloatGrid::TreeType::RootNodeType::ChildNodeType;
 using Twig = Branch::ChildNodeType;
 
 /// Farther voxels would overflow the arithmetic of their neighbours.
-constexpr std::int32_t kFarthest = 1 << 28;
+constexpr std::int32_t kFarthestIndex = 1 << 28;
 
 [[noreturn]] void damaged() {
   throw std::invalid_argument("is damaged: what was read of it makes no grid");
@@ -30,7 +30,7 @@ constexpr std::int32_t kFarthest = 1 << 28;
 
 openvdb::Coord corner(const std::array<std::int32_t, 3>& low) {
   for (const std::int32_t axis : low) {
-    if (axis <= -kFarthest || axis >= kFarthest) {
+    if (axis <= -kFarthestIndex || axis >= kFarthestIndex) {
       throw std::invalid_argument("holds voxels too far from its origin");
     }
   }

@@ -16,32 +16,36 @@ namespace wobblebench::render {
 namespace {
 
 /// libEGL, loaded at the first call and kept for the life of the process.
-void* library() {
+void* libegl() {
   static void* const loaded = dlopen("libEGL.so.1", RTLD_NOW | RTLD_LOCAL);
   if (!loaded) throw std::runtime_error("libEGL.so.1 is not here: install libegl1");
   return loaded;
 }
 
 template <class Function>
-Function entry(const char* name) {
-  void* found = dlsym(library(), name);
+Function egl_function(const char* name) {
+  void* found = dlsym(libegl(), name);
   if (!found) throw std::runtime_error(std::string("libEGL has no ") + name);
   return reinterpret_cast<Function>(found);
 }
 
 /// Functions that libEGL exports.
 struct Egl {
-  decltype(&eglBindAPI) bind_api = entry<decltype(&eglBindAPI)>("eglBindAPI");
-  decltype(&eglCreateContext) create = entry<decltype(&eglCreateContext)>("eglCreateContext");
-  decltype(&eglDestroyContext) destroy = entry<decltype(&eglDestroyContext)>("eglDestroyContext");
-  decltype(&eglGetError) error = entry<decltype(&eglGetError)>("eglGetError");
+  decltype(&eglBindAPI) bind_api = egl_function<decltype(&eglBindAPI)>("eglBindAPI");
+  decltype(&eglCreateContext) create =
+      egl_function<decltype(&eglCreateContext)>("eglCreateContext");
+  decltype(&eglDestroyContext) destroy =
+      egl_function<decltype(&eglDestroyContext)>("eglDestroyContext");
+  decltype(&eglGetError) error = egl_function<decltype(&eglGetError)>("eglGetError");
   decltype(&eglGetPlatformDisplay) platform_display =
-      entry<decltype(&eglGetPlatformDisplay)>("eglGetPlatformDisplay");
+      egl_function<decltype(&eglGetPlatformDisplay)>("eglGetPlatformDisplay");
   decltype(&eglGetProcAddress) proc_address =
-      entry<decltype(&eglGetProcAddress)>("eglGetProcAddress");
-  decltype(&eglInitialize) initialize = entry<decltype(&eglInitialize)>("eglInitialize");
-  decltype(&eglMakeCurrent) make_current = entry<decltype(&eglMakeCurrent)>("eglMakeCurrent");
-  decltype(&eglQueryString) query_string = entry<decltype(&eglQueryString)>("eglQueryString");
+      egl_function<decltype(&eglGetProcAddress)>("eglGetProcAddress");
+  decltype(&eglInitialize) initialize = egl_function<decltype(&eglInitialize)>("eglInitialize");
+  decltype(&eglMakeCurrent) make_current =
+      egl_function<decltype(&eglMakeCurrent)>("eglMakeCurrent");
+  decltype(&eglQueryString) query_string =
+      egl_function<decltype(&eglQueryString)>("eglQueryString");
 
   /// Throws `what` with the code of the call that failed; ContextLost if that is the reason.
   [[noreturn]] void fail(const std::string& what) const {

@@ -17,7 +17,7 @@ namespace wobblebench::render {
 namespace {
 
 /// libOSMesa, loaded at the first call and kept for the life of the process.
-void* library() {
+void* libosmesa() {
   static void* const loaded = [] {
     void* first = dlopen("libOSMesa.so.8", RTLD_NOW | RTLD_LOCAL);
     return first ? first : dlopen("libOSMesa.so", RTLD_NOW | RTLD_LOCAL);
@@ -30,8 +30,8 @@ void* library() {
 }
 
 template <class Function>
-Function entry(const char* name) {
-  void* found = dlsym(library(), name);
+Function osmesa_function(const char* name) {
+  void* found = dlsym(libosmesa(), name);
   if (!found) throw std::runtime_error(std::string("osmesa: libOSMesa has no ") + name);
   return reinterpret_cast<Function>(found);
 }
@@ -44,9 +44,10 @@ struct DestroyContext {
 class OsmesaContext final : public DriverContext {
  public:
   OsmesaContext() {
-    const auto create = entry<decltype(&OSMesaCreateContextAttribs)>("OSMesaCreateContextAttribs");
-    make_current_ = entry<decltype(&OSMesaMakeCurrent)>("OSMesaMakeCurrent");
-    proc_address_ = entry<decltype(&OSMesaGetProcAddress)>("OSMesaGetProcAddress");
+    const auto create =
+        osmesa_function<decltype(&OSMesaCreateContextAttribs)>("OSMesaCreateContextAttribs");
+    make_current_ = osmesa_function<decltype(&OSMesaMakeCurrent)>("OSMesaMakeCurrent");
+    proc_address_ = osmesa_function<decltype(&OSMesaGetProcAddress)>("OSMesaGetProcAddress");
     const std::array<int, 9> attributes = {OSMESA_FORMAT,
                                            OSMESA_RGBA,
                                            OSMESA_PROFILE,
@@ -56,7 +57,8 @@ class OsmesaContext final : public DriverContext {
                                            OSMESA_CONTEXT_MINOR_VERSION,
                                            5,
                                            0};
-    const DestroyContext destroy{entry<decltype(&OSMesaDestroyContext)>("OSMesaDestroyContext")};
+    const DestroyContext destroy{
+        osmesa_function<decltype(&OSMesaDestroyContext)>("OSMesaDestroyContext")};
     context_ = {create(attributes.data(), nullptr), destroy};
     if (!context_) throw std::runtime_error("osmesa: gives no OpenGL 4.5 core context");
   }
@@ -83,7 +85,7 @@ class OsmesaContext final : public DriverContext {
 
 /// Makes a context in a process of its own: Mesa crashes for the name of a driver that it lacks.
 void try_driver(const std::string& name) {
-  library();
+  libosmesa();
   const pid_t child = ::fork();
   if (child < 0) return;
   if (child == 0) {

@@ -8,7 +8,13 @@
 namespace wobblebench::render {
 namespace {
 
-enum Bindings { kPolarTable, kFrames, kPixels, kRows, kNormaliser };
+enum FastScanBinding {
+  kFastScanPolarTable,
+  kFastScanFrames,
+  kFastScanPixels,
+  kFastScanRows,
+  kFastScanNormaliser
+};
 
 /// Pairs of neighbours among the slices of a group.
 constexpr int kPairs = kGroupSlices - 1;
@@ -137,11 +143,11 @@ FastScanConverter::FastScanConverter(const SliceGeometry& geometry,
 
 void FastScanConverter::make_programs(const std::vector<double>& weights) {
   const Defines defines = Defines()
-                              .add("BIND_POLAR_TABLE", kPolarTable)
-                              .add("BIND_FRAMES", kFrames)
-                              .add("BIND_PIXELS", kPixels)
-                              .add("BIND_ROWS", kRows)
-                              .add("BIND_NORMALISER", kNormaliser)
+                              .add("BIND_POLAR_TABLE", kFastScanPolarTable)
+                              .add("BIND_FRAMES", kFastScanFrames)
+                              .add("BIND_PIXELS", kFastScanPixels)
+                              .add("BIND_ROWS", kFastScanRows)
+                              .add("BIND_NORMALISER", kFastScanNormaliser)
                               .add("TAPS", static_cast<int>(weights.size()))
                               .add("SINGLE_TAP", single_tap_);
   const auto several = FragmentProgram::Layers::several;
@@ -176,15 +182,18 @@ void FastScanConverter::convert_batch(const std::vector<LayerGroup>& batch,
   for (int group = 0; group < static_cast<int>(batch.size()); ++group) {
     all_groups.push_back({group, group});
   }
-  scan_convert_.draw_layers(unfiltered_target_,
-                            {{kPolarTable, &polar_table_}, {kFrames, &frame_groups_->texture()}},
-                            bordered,
-                            all_groups);
-  along_rows_.draw_layers(rows_target_, {{kPixels, &unfiltered_}}, bordered, all_groups);
+  scan_convert_.draw_layers(
+      unfiltered_target_,
+      {{kFastScanPolarTable, &polar_table_}, {kFastScanFrames, &frame_groups_->texture()}},
+      bordered,
+      all_groups);
+  along_rows_.draw_layers(rows_target_, {{kFastScanPixels, &unfiltered_}}, bordered, all_groups);
   for (int group = 0; group < static_cast<int>(batch.size()); ++group) {
     along_columns_.set("group", static_cast<double>(group))
         .draw(target_of(batch[static_cast<std::size_t>(group)], slices, {&made_, group}),
-              {{kRows, &rows_}, {kPixels, &unfiltered_}, {kNormaliser, &normaliser_}});
+              {{kFastScanRows, &rows_},
+               {kFastScanPixels, &unfiltered_},
+               {kFastScanNormaliser, &normaliser_}});
   }
 }
 

@@ -24,7 +24,7 @@ namespace {
 /// Instead of infinity, which shaders need not have.
 constexpr double kNoLevel = 1e30;
 
-enum Bindings { kSlices, kMotionTable, kTransfer, kDistances, kSpans };
+enum RayBinding { kRaySlices, kRayMotionTable, kRayTransfer, kRayDistances, kRaySpans };
 
 /// Samples of a block where the detector does not say how many.
 constexpr int kBlock = 8;
@@ -70,11 +70,11 @@ bool is_fast(const RenderOptions& options) {
 Defines defines(const SliceGeometry& geometry, const RenderOptions& options, bool leaps) {
   const RayCastingOptions& o = options.ray_casting;
   return Defines()
-      .add("BIND_SLICES", kSlices)
-      .add("BIND_MOTION_TABLE", kMotionTable)
-      .add("BIND_TRANSFER", kTransfer)
-      .add("BIND_DISTANCES", kDistances)
-      .add("BIND_SPANS", kSpans)
+      .add("BIND_SLICES", kRaySlices)
+      .add("BIND_MOTION_TABLE", kRayMotionTable)
+      .add("BIND_TRANSFER", kRayTransfer)
+      .add("BIND_DISTANCES", kRayDistances)
+      .add("BIND_SPANS", kRaySpans)
       .add("TILE", kTilePixels)
       .add("NO_SURFACE", kNoDepth)
       .add("TRANSFER_SIZE", kTransferTableSize)
@@ -307,13 +307,13 @@ void RayCaster::cast(SliceVolume& volume) {
   if (measures_level_) ray_cast_.set("threshold", std::min(volume.level(), kNoLevel));
   ray_cast_.set("first_frame", volume.covered().first).set("last_frame", volume.covered().last);
   if (geometry_.is_skewed()) ray_cast_.set("frame_skew", geometry_.frame_skew(volume.sweep));
-  const Binding slices{kSlices, &volume.slices()}, transfer{kTransfer, &transfer_};
+  const Binding slices{kRaySlices, &volume.slices()}, transfer{kRayTransfer, &transfer_};
   if (leaps_) {
     EmptySpace& space = *volume.empty_space();
-    const Binding distances{kDistances, &space.distances()}, spans{kSpans, &space.spans()};
+    const Binding distances{kRayDistances, &space.distances()}, spans{kRaySpans, &space.spans()};
     ray_cast_.draw(target_, {slices, transfer, distances, spans});
   } else if (motion_table_) {
-    ray_cast_.draw(target_, {slices, {kMotionTable, &motion_table_}, transfer});
+    ray_cast_.draw(target_, {slices, {kRayMotionTable, &motion_table_}, transfer});
   } else {
     ray_cast_.draw(target_, {slices, transfer});
   }

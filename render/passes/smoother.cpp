@@ -6,14 +6,14 @@
 namespace wobblebench::render {
 namespace {
 
-enum Bindings { kPicture, kSource };
+enum SmoothBinding { kSmoothPicture, kSmoothSource };
 /// Operation of a step of shaders/smoothing/smooth_lines.frag.glsl and smooth_guided.frag.glsl.
 enum StepKind { kMeans, kMoments, kCoefficients, kApply };
 
 Defines defines(const SmoothingOptions& options) {
   return Defines()
-      .add("BIND_PICTURE", kPicture)
-      .add("BIND_SOURCE", kSource)
+      .add("BIND_PICTURE", kSmoothPicture)
+      .add("BIND_SOURCE", kSmoothSource)
       .add("HALF_FILTER", options.filter_size / 2);
 }
 
@@ -106,7 +106,7 @@ void Smoother::smooth(const Texture& picture) {
   for (std::size_t i = 0; i < steps_.size(); ++i) {
     const bool to_smoothed = (steps_.size() - i) % 2 == 1;  // the last one is
     steps_[i].draw(to_smoothed ? smoothed_target_ : between_target_,
-                   {{kPicture, &picture}, {kSource, source}});
+                   {{kSmoothPicture, &picture}, {kSmoothSource, source}});
     source = to_smoothed ? &smoothed_ : &between_;
   }
   check_gl("smoothing");

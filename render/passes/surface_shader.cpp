@@ -7,15 +7,15 @@
 namespace wobblebench::render {
 namespace {
 
-enum Bindings { kDepth, kQuadrants, kNearest, kLitDepth, kColor };
+enum ShadeBinding { kShadeDepth, kShadeQuadrants, kShadeNearest, kShadeLitDepth, kShadeColor };
 
 Defines shade_defines(const RenderOptions& options) {
   return Defines()
-      .add("BIND_DEPTH", kDepth)
-      .add("BIND_QUADRANTS", kQuadrants)
-      .add("BIND_NEAREST", kNearest)
-      .add("BIND_LIT_DEPTH", kLitDepth)
-      .add("BIND_COLOR", kColor)
+      .add("BIND_DEPTH", kShadeDepth)
+      .add("BIND_QUADRANTS", kShadeQuadrants)
+      .add("BIND_NEAREST", kShadeNearest)
+      .add("BIND_LIT_DEPTH", kShadeLitDepth)
+      .add("BIND_COLOR", kShadeColor)
       .add("RENDERED_BASE", options.shading.base == ShadingBase::rendered)
       .add("FAST", options.pipeline.mode == PipelineMode::fast)
       .add("TILE", kShadowTile)
@@ -48,13 +48,13 @@ void set_uniforms(FragmentProgram& program, const RenderOptions& options) {
 }
 
 namespace tiles {
-enum Bindings { kDepth, kTiles, kQuadrants, kWideQuadrants, kNearest };
+enum ShadeBinding { kShadeDepth, kTiles, kShadeQuadrants, kWideQuadrants, kShadeNearest };
 }
 
 FragmentProgram nearest_program(int block) {
   return {{"nearest.frag.glsl"},
           Defines()
-              .add("BIND_DEPTH", tiles::kDepth)
+              .add("BIND_DEPTH", tiles::kShadeDepth)
               .add("BLOCK", block)
               .add("NOTHING_NEAR", kNothingNear)};
 }
@@ -62,9 +62,9 @@ FragmentProgram nearest_program(int block) {
 FragmentProgram lit_depth_program(const RenderOptions& options) {
   return {{"view.glsl", "shadow_lit_depth.frag.glsl"},
           Defines()
-              .add("BIND_QUADRANTS", tiles::kQuadrants)
+              .add("BIND_QUADRANTS", tiles::kShadeQuadrants)
               .add("BIND_WIDE_QUADRANTS", tiles::kWideQuadrants)
-              .add("BIND_NEAREST", tiles::kNearest)
+              .add("BIND_NEAREST", tiles::kShadeNearest)
               .add("TILE", kShadowTile)
               .add("PERSPECTIVE", 0)
               .add("POINT_LIGHT", options.shading.light == Light::point)};
@@ -105,13 +105,13 @@ void SurfaceShader::shade(const Texture& depth, const Texture& color) {
   if (leaps_) {
     tiles_.update(filtered_depth());
     shade_.draw(target_,
-                {{kDepth, &filtered_depth()},
-                 {kQuadrants, &tiles_.quadrants()},
-                 {kNearest, &tiles_.nearest()},
-                 {kLitDepth, &tiles_.lit_depth()},
-                 {kColor, &color}});
+                {{kShadeDepth, &filtered_depth()},
+                 {kShadeQuadrants, &tiles_.quadrants()},
+                 {kShadeNearest, &tiles_.nearest()},
+                 {kShadeLitDepth, &tiles_.lit_depth()},
+                 {kShadeColor, &color}});
   } else {
-    shade_.draw(target_, {{kDepth, &filtered_depth()}, {kColor, &color}});
+    shade_.draw(target_, {{kShadeDepth, &filtered_depth()}, {kShadeColor, &color}});
   }
   check_gl("surface shading");
 }
@@ -153,14 +153,14 @@ void ShadowTiles::set_light(const RenderOptions& options) {
 }
 
 void ShadowTiles::update(const Texture& depth) {
-  reduce_.draw(tiles_target_, {{tiles::kDepth, &depth}});
+  reduce_.draw(tiles_target_, {{tiles::kShadeDepth, &depth}});
   gather_.draw(quadrants_target_, {{tiles::kTiles, &tiles_}});
-  reduce_all_.draw(nearest_target_, {{tiles::kDepth, &tiles_}});
+  reduce_all_.draw(nearest_target_, {{tiles::kShadeDepth, &tiles_}});
   if (!lit_depth_) return;
   trace_.draw(lit_depth_target_,
-              {{tiles::kQuadrants, &quadrants_},
+              {{tiles::kShadeQuadrants, &quadrants_},
                {tiles::kWideQuadrants, &wide_quadrants_},
-               {tiles::kNearest, &nearest_}});
+               {tiles::kShadeNearest, &nearest_}});
 }
 
 }  // namespace wobblebench::render

@@ -12,13 +12,13 @@ namespace wobblebench::sim {
 namespace {
 
 constexpr double kRangeStep_m = 2.5e-3;
-constexpr double kAngleStep_rad = 1.1 * kDegree;
+constexpr double kProfileAngleStep_rad = 1.1 * kDegree;
 constexpr double kSampleRangeStep_m = 1e-3;  ///< between the ranges looked up for BeamAtSamples
 constexpr double kSampleAngleStep_rad = 1 * kDegree;
 /// Where half of the aperture is missing, lobes are twice as wide and lie on one side.
 constexpr double kMissing = 3;
 constexpr int kMinRanges = 8, kMaxRanges = 64;
-constexpr int kColumns = 40;  ///< a side
+constexpr int kProfileColumns = 40;  ///< a side
 
 /// Half of the widest beam that is sampled: two lobes, and half of the aperture's geometric shadow.
 double window_m(double lobe_m, double aperture_m, double range_m, double focus_m) {
@@ -99,7 +99,8 @@ BeamGrid::Between BeamGrid::angle_at(double theta_rad) const {
 }
 
 BeamProfile::BeamProfile(const ProbeOptics& optics)
-    : grid_(optics.plan(), kRangeStep_m, kAngleStep_rad), axial_fwhm_m_(optics.axial_fwhm_m()) {
+    : grid_(optics.plan(), kRangeStep_m, kProfileAngleStep_rad),
+      axial_fwhm_m_(optics.axial_fwhm_m()) {
   entries_.resize(static_cast<std::size_t>(grid_.ranges() * grid_.angles()));
   parallel_ranges(grid_.ranges(), optics.threads(), [&](int first, int last) {
     for (int range = first; range < last; ++range) measure(optics, range);
@@ -117,7 +118,7 @@ void BeamProfile::measure(const ProbeOptics& optics, int range) {
       range_m,
       window_m(wavelength_m * range_m / height_m, height_m, range_m, probe.elevation_focus_m),
       true,
-      kColumns);
+      kProfileColumns);
   const PulseBand::Values elevation_axis = elevation.on_axis(range_m);
   const double lateral_window_m =
       window_m(kMissing * wavelength_m * range_m / optics.receive_aperture_m(range_m),
@@ -132,7 +133,7 @@ void BeamProfile::measure(const ProbeOptics& optics, int range) {
       continue;
     }
     const PlaneResponse lateral = PlaneResponse::lateral(aperture, range_m);
-    const SampledRow along = sample_row(lateral, range_m, lateral_window_m, true, kColumns);
+    const SampledRow along = sample_row(lateral, range_m, lateral_window_m, true, kProfileColumns);
     entry = {width_at_half(peaks(along, elevation_axis, band), along.step_m()), 0, 0};
     if (angle == 0) {
       entry.elevation_fwhm_m =

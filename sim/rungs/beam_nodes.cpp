@@ -13,7 +13,7 @@ namespace wobblebench::sim {
 namespace {
 
 /// Width of the vectorised loop; nodes are padded to multiples of it.
-constexpr std::size_t kLanes = 16;
+constexpr std::size_t kNodeLanes = 16;
 
 float squared(double x) {
   return static_cast<float>(x * x);
@@ -119,7 +119,7 @@ BeamNodes::BeamNodes(const ProbeOptics& optics,
 void BeamNodes::compute(const StickTrack& track,
                         const StickLosses& losses,
                         const BeamAtSample* beam) {
-  const std::size_t count = (track.nodes.size() + kLanes) / kLanes * kLanes;
+  const std::size_t count = (track.nodes.size() + kNodeLanes) / kNodeLanes * kNodeLanes;
   surfaces_.assign(track.nodes.begin(), track.nodes.end());
   surfaces_.resize(count);
   beam_.resize(count);

@@ -13,22 +13,22 @@ namespace {
 
 using Complex = std::complex<float>;
 
-constexpr std::string_view kEffects[] = {"attenuation",
-                                         "transmission_loss",
-                                         "aperture_losses",
-                                         "tissue_sound_speed",
-                                         "beam_width",
-                                         "speckle",
-                                         "interface_echo",
-                                         "tissue_unevenness",
-                                         "point_scatterers",
-                                         "particles",
-                                         "reverberation",
-                                         "haze",
-                                         "noise",
-                                         "envelope",
-                                         "low_pass",
-                                         "time_gain"};
+constexpr std::string_view kFieldEffects[] = {"attenuation",
+                                              "transmission_loss",
+                                              "aperture_losses",
+                                              "tissue_sound_speed",
+                                              "beam_width",
+                                              "speckle",
+                                              "interface_echo",
+                                              "tissue_unevenness",
+                                              "point_scatterers",
+                                              "particles",
+                                              "reverberation",
+                                              "haze",
+                                              "noise",
+                                              "envelope",
+                                              "low_pass",
+                                              "time_gain"};
 
 /// parts[i] = speckle[i] * sqrt(power[i]) for `count` complex values, each a pair of floats.
 WOBBLEBENCH_SIMD void scale_by_root(const float* speckle,
@@ -48,7 +48,7 @@ WOBBLEBENCH_SIMD void scale_by_root(const float* speckle,
 constinit const EchoModelType FieldModel::kType = {
     .name = "field",
     .lower = &GeometryModel::kType,
-    .added_effects = kEffects,
+    .added_effects = kFieldEffects,
     .reach_m = &MeanPower::reach_m,
     .memory =
         [](const hw::AcquisitionPlan& plan, const SimulationOptions& options, bool tissue_moves) {

@@ -9,7 +9,7 @@ namespace wobblebench::sim {
 
 namespace {
 
-constexpr std::string_view kEffects[] = {
+constexpr std::string_view kGeometryEffects[] = {
     "tissue_echo", "tissue_motion", "log_compression", "line_filter", "persistence", "grey_levels"};
 
 }  // namespace
@@ -17,7 +17,7 @@ constexpr std::string_view kEffects[] = {
 constinit const EchoModelType GeometryModel::kType = {
     .name = "geometry",
     .lower = nullptr,
-    .added_effects = kEffects,
+    .added_effects = kGeometryEffects,
     .reach_m = [](const hw::AcquisitionPlan&) { return 0.0; },
     .memory =
         [](const hw::AcquisitionPlan&, const SimulationOptions&, bool) { return EchoMemory{}; },

@@ -137,14 +137,14 @@ namespace {
 
 using Complex = std::complex<float>;
 
-constexpr std::string_view kEffects[] = {"element_sum"};
+constexpr std::string_view kReferenceEffects[] = {"element_sum"};
 
 }  // namespace
 
 constinit const EchoModelType ReferenceModel::kType = {
     .name = "reference",
     .lower = &ScatterersModel::kType,
-    .added_effects = kEffects,
+    .added_effects = kReferenceEffects,
     .reach_m = &ScatterersModel::reach_m,
     .memory = [](const hw::AcquisitionPlan& plan,
                  const SimulationOptions& options,

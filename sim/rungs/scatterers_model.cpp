@@ -11,14 +11,14 @@ namespace {
 
 using Complex = std::complex<float>;
 
-constexpr std::string_view kEffects[] = {"scatterers_in_tissue", "side_lobes"};
+constexpr std::string_view kScatterersEffects[] = {"scatterers_in_tissue", "side_lobes"};
 
 }  // namespace
 
 constinit const EchoModelType ScatterersModel::kType = {
     .name = "scatterers",
     .lower = &FieldModel::kType,
-    .added_effects = kEffects,
+    .added_effects = kScatterersEffects,
     .reach_m = &ScatterersModel::reach_m,
     .memory = [](const hw::AcquisitionPlan& plan,
                  const SimulationOptions& options,

@@ -19,7 +19,7 @@ Mouth mouth() {
   return {rotation_xyz({-0.07, 0.14, -0.09}), {1e-3, 17e-3, 2e-3}, kOpen, kReach};
 }
 
-Motion moving(double turn_rad = 0) {
+Motion moving_face(double turn_rad = 0) {
   MotionOptions options;
   options.mouth_close_m = kClose;
   options.mouth_period_s = kPeriod;
@@ -65,7 +65,7 @@ TEST(Mouth, ToRestAndFromRestAreInverse) {
   RandomPoints random(1);
   int displaced = 0;
   for (const double turn_rad : {0.0, 0.5}) {
-    const Motion motion = moving(turn_rad);
+    const Motion motion = moving_face(turn_rad);
     for (int i = 0; i < 20000; ++i) {
       const glm::dvec3 rest_m = random.rest_m();
       const double time_s = random.within(0, 3);
@@ -80,7 +80,7 @@ TEST(Mouth, ToRestAndFromRestAreInverse) {
 }
 
 TEST(Mouth, ClosesAsTheIntegralOfItsSlopeSays) {
-  const Deformation closed = moving().at(kPeriod / 2);
+  const Deformation closed = moving_face().at(kPeriod / 2);
   const auto on_axis = [&](double height_m) {
     return mouth().center_m + height_m * mouth().axes[1];
   };
@@ -92,13 +92,13 @@ TEST(Mouth, ClosesAsTheIntegralOfItsSlopeSays) {
   const double gap_m =
       glm::distance(closed.from_rest(on_axis(3e-3)), closed.from_rest(on_axis(-3e-3)));
   EXPECT_NEAR(gap_m, kOpen - kClose * (1 - 2 * 3.0 / 64), 1e-12);
-  const glm::dvec3 chin = on_axis(15e-3), half = moving().from_rest(chin, kPeriod / 4);
+  const glm::dvec3 chin = on_axis(15e-3), half = moving_face().from_rest(chin, kPeriod / 4);
   EXPECT_NEAR(glm::dot(chin - half, mouth().axes[1]), kClose / 2, 1e-12) << "sin^2, half-way";
 }
 
 TEST(Mouth, MovesNothingAtTimeZeroAndAwayFromTheJaw) {
   RandomPoints random(2);
-  const Motion motion = moving();
+  const Motion motion = moving_face();
   const glm::dvec3 far[] = {{-17e-3, 5e-3, 5e-3},
                             {17e-3, 5e-3, 5e-3},
                             {0, -5e-3, 0},
@@ -125,7 +125,7 @@ TEST(Mouth, MovesNothingAtTimeZeroAndAwayFromTheJaw) {
 TEST(Mouth, TangentIsTheDerivativeAndKeepsItsSign) {
   RandomPoints random(3);
   for (const double turn_rad : {0.0, 0.4}) {
-    const Motion motion = moving(turn_rad);
+    const Motion motion = moving_face(turn_rad);
     for (int i = 0; i < 5000; ++i) {
       const Deformation moment = motion.at(random.within(0, 2));
       const glm::dvec3 rest_m = random.rest_m();
@@ -148,7 +148,7 @@ TEST(Mouth, TangentIsTheDerivativeAndKeepsItsSign) {
 
 TEST(Mouth, BoundsHoldForNeighboursAndTimes) {
   RandomPoints random(4);
-  const Motion motion = moving();
+  const Motion motion = moving_face();
   const Motion::MouthBounds bounds = motion.mouth_bounds();
   double most_stretch = 0, fastest_m_s = 0;
   for (int i = 0; i < 50000; ++i) {
@@ -172,7 +172,7 @@ TEST(Mouth, BoundsHoldForNeighboursAndTimes) {
   EXPECT_FALSE(motion.still());
 }
 
-std::string refusal(const MotionOptions& options, const std::optional<Joint>& joint) {
+std::string motion_refusal(const MotionOptions& options, const std::optional<Joint>& joint) {
   try {
     const Motion motion(options, joint);
   } catch (const InvalidPhantom& error) {
@@ -185,14 +185,15 @@ TEST(Mouth, RefusalsStateKeyValueAndWhatIsAllowed) {
   MotionOptions options;
   options.mouth_close_m = 4e-3;
   const Joint head{{}, 40e-3, 50e-3, mouth()};
-  EXPECT_EQ(refusal(options, head), "accepted");
-  EXPECT_EQ(refusal(options, Joint{{}, 40e-3, 50e-3, {}}),
+  EXPECT_EQ(motion_refusal(options, head), "accepted");
+  EXPECT_EQ(motion_refusal(options, Joint{{}, 40e-3, 50e-3, {}}),
             "mouth_close_mm = 4: this phantom has no open mouth; it must be 0");
   options.mouth_close_m = 5.2e-3;
-  EXPECT_EQ(refusal(options, head), "mouth_close_mm = 5.2: must be at most 5.1 for this mouth");
+  EXPECT_EQ(motion_refusal(options, head),
+            "mouth_close_mm = 5.2: must be at most 5.1 for this mouth");
   options.mouth_close_m = 4e-3;
   options.mouth_period_s = 0;
-  EXPECT_EQ(refusal(options, head), "mouth_period_s = 0: must be within 0.1 and 60");
+  EXPECT_EQ(motion_refusal(options, head), "mouth_period_s = 0: must be within 0.1 and 60");
 }
 
 }  // namespace

@@ -10,7 +10,7 @@ namespace wobblebench::bench {
 
 namespace {
 
-constexpr std::size_t kSticks = 400;
+constexpr std::size_t kAccountSticks = 400;
 
 std::string numbers(const hw::BoardAccount& account) {
   return "emitted " + std::to_string(account.emitted) + ", delivered " +
@@ -25,7 +25,7 @@ std::string balanced(const ConformanceFixture& fixture) {
   BoardSession session(fixture);
   session.board.start();
   Received received;
-  while (received.sticks.size() < kSticks && !received.over) {
+  while (received.sticks.size() < kAccountSticks && !received.over) {
     session.receive(received, received.sticks.size() + 1);
     require_balanced(session.board.account());
   }
@@ -48,7 +48,7 @@ std::string contiguous(const ConformanceFixture& fixture) {
   BoardSession session(fixture);
   session.board.start();
   Received received;
-  session.receive(received, kSticks);
+  session.receive(received, kAccountSticks);
   require_contiguous(received);
   std::uint64_t missing = 0;
   for (const hw::Gap& gap : received.gaps) missing += gap.count;
@@ -98,7 +98,7 @@ std::string damage_is_not_fatal(const ConformanceFixture& fixture) {
   BoardSession session(with_faults(fixture, "corrupt:0.1+seed:3"));
   session.board.start();
   Received received;
-  session.receive(received, kSticks / 2);
+  session.receive(received, kAccountSticks / 2);
   require_contiguous(received);
   require_balanced(session.board.account());
   require(!received.lost || fixture.faulty, "damage ended the stream: " + received.end_reason);

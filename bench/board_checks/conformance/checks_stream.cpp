@@ -9,9 +9,9 @@ namespace wobblebench::bench {
 
 namespace {
 
-constexpr std::size_t kSticks = 600;
+constexpr std::size_t kStreamSticks = 600;
 
-Received receive(const ConformanceFixture& fixture, std::size_t sticks = kSticks) {
+Received receive(const ConformanceFixture& fixture, std::size_t sticks = kStreamSticks) {
   BoardSession session(fixture);
   session.board.start();
   Received received;
@@ -70,7 +70,7 @@ std::string undamaged(const ConformanceFixture& fixture) {
   BoardSession session(fixture);
   session.board.start();
   Received received;
-  session.receive(received, kSticks);
+  session.receive(received, kStreamSticks);
   const auto account = session.board.account();
   require(account.lost.corrupt == 0,
           std::to_string(account.lost.corrupt) + " sticks were corrupt on a link without faults");

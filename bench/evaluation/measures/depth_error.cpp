@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
-#include <limits>
 #include <numeric>
 #include <optional>
 #include <utility>
@@ -16,8 +15,6 @@
 namespace wobblebench::bench {
 
 namespace {
-
-constexpr double kUnset = std::numeric_limits<double>::quiet_NaN();
 
 /// Normal of the measured surface, towards the viewer; none at its rim.
 std::optional<glm::dvec3> measured_normal(const Image<float>& depth_m,

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
-#include <limits>
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 #include <stdexcept>
@@ -14,8 +13,6 @@
 namespace wobblebench::bench {
 
 namespace {
-
-constexpr double kUnset = std::numeric_limits<double>::quiet_NaN();
 
 /// Grazing surfaces may be found or not, but where they are a picture has no hole.
 Image<float> with_grazing(const Truth& truth) {

@@ -5,7 +5,6 @@
 #include <cmath>
 #include <cstdint>
 #include <glm/geometric.hpp>
-#include <limits>
 #include <numeric>
 #include <utility>
 #include <vector>
@@ -25,8 +24,6 @@ double segment_distance_m(const glm::dvec3& p, const glm::dvec3& a, const glm::d
   const double t = length2 > 0 ? std::clamp(glm::dot(p - a, along) / length2, 0.0, 1.0) : 0;
   return glm::distance(p, a + t * along);
 }
-
-constexpr double kUnset = std::numeric_limits<double>::quiet_NaN();
 
 std::vector<double> distances(const DepthSurface& from, const DepthSurface& to) {
   if (to.points().empty()) return {};

@@ -17,7 +17,7 @@ namespace {
 
 constexpr std::string_view kMagic = "KRETZFILE 1.0   ";
 constexpr std::size_t kItemHeader = 8;
-constexpr std::size_t kMostHeader = 16 << 20;  // before the voxels
+constexpr std::size_t kMostKretzHeader = 16 << 20;  // before the voxels
 
 /// Group and element of an item.
 using Tag = std::pair<std::uint16_t, std::uint16_t>;
@@ -52,7 +52,7 @@ struct Items {
 };
 
 Items read_items(const std::filesystem::path& path) {
-  const std::string bytes = read_file(path, kMostHeader);
+  const std::string bytes = read_file(path, kMostKretzHeader);
   if (!bytes.starts_with(kMagic)) throw UserError(path.string() + ": is no KRETZFILE 1.0");
   Items items{.path = path, .data = {}};
   std::size_t at = kMagic.size();

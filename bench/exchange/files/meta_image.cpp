@@ -12,7 +12,7 @@ namespace wobblebench::bench {
 
 namespace {
 
-constexpr std::size_t kMostHeader = 64 << 20;  // a sequence has fields for each frame
+constexpr std::size_t kMostMetaHeader = 64 << 20;  // a sequence has fields for each frame
 
 const std::vector<std::pair<std::string, Element>>& meta_types() {
   static const std::vector<std::pair<std::string, Element>> types = {
@@ -50,7 +50,7 @@ bool is_true(std::string text) {
 /// The fields up to ElementDataFile, and where the voxels begin.
 std::map<std::string, std::string> split_header(const std::filesystem::path& path,
                                                 std::uint64_t& end) {
-  const std::string text = read_file(path, kMostHeader);
+  const std::string text = read_file(path, kMostMetaHeader);
   std::map<std::string, std::string> fields;
   for (std::size_t at = 0; at < text.size();) {
     const std::size_t line_end = text.find('\n', at);

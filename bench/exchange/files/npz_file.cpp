@@ -6,13 +6,14 @@
 #include <bit>
 #include <stdexcept>
 
+#include "bench/exchange/files/numpy_parts.h"
+
 namespace wobblebench::bench {
 
 static_assert(std::endian::native == std::endian::little, "arrays are written as they are");
 
 namespace {
 
-constexpr std::uint32_t kIn64 = 0xffffffff;  // the size is in the ZIP64 field
 constexpr std::uint16_t kVersion64 = 45;
 constexpr std::uint16_t kDay = (1 << 5) | 1;  // 1 January 1980: equal content gives equal bytes
 
@@ -57,8 +58,8 @@ std::string local_header(const std::string& name, std::uint32_t crc, std::uint64
   fields.add(std::uint16_t{0});  // time
   fields.add(kDay);
   fields.add(crc);
-  fields.add(kIn64);
-  fields.add(kIn64);
+  fields.add(numpy::kIn64);
+  fields.add(numpy::kIn64);
   fields.add(static_cast<std::uint16_t>(name.size()));
   fields.add(std::uint16_t{20});
   return fields.bytes() + name + Fields(std::uint16_t{1}, std::uint16_t{16}, bytes, bytes).bytes();
@@ -73,15 +74,15 @@ std::string directory_entry(const std::string& name,
   fields.add(std::uint16_t{0});
   fields.add(kDay);
   fields.add(crc);
-  fields.add(kIn64);
-  fields.add(kIn64);
+  fields.add(numpy::kIn64);
+  fields.add(numpy::kIn64);
   fields.add(static_cast<std::uint16_t>(name.size()));
   fields.add(std::uint16_t{28});
   fields.add(std::uint16_t{0});  // comment
   fields.add(std::uint16_t{0});  // disk
   fields.add(std::uint16_t{0});  // attributes
   fields.add(std::uint32_t{0});
-  fields.add(kIn64);
+  fields.add(numpy::kIn64);
   return fields.bytes() + name +
          Fields(std::uint16_t{1}, std::uint16_t{24}, bytes, bytes, offset).bytes();
 }
@@ -102,8 +103,8 @@ std::string directory_end(std::uint64_t entries, std::uint64_t offset, std::uint
   fields.add(std::uint32_t{0});
   fields.add(std::uint16_t{0xffff});
   fields.add(std::uint16_t{0xffff});
-  fields.add(kIn64);
-  fields.add(kIn64);
+  fields.add(numpy::kIn64);
+  fields.add(numpy::kIn64);
   fields.add(std::uint16_t{0});
   return fields.bytes();
 }

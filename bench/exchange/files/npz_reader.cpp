@@ -15,7 +15,6 @@ namespace {
 
 constexpr std::uint32_t kEntry = 0x02014b50, kLocal = 0x04034b50;
 constexpr std::uint32_t kEnd64 = 0x06064b50, kLocator64 = 0x07064b50;
-constexpr std::uint32_t kIn64 = 0xffffffff;
 constexpr std::size_t kEndBytes = 22, kEntryBytes = 46, kLocalBytes = 30;
 
 struct ZipEntry {

@@ -11,7 +11,7 @@ namespace wobblebench::bench {
 
 namespace {
 
-constexpr std::size_t kMostHeader = 1 << 20;
+constexpr std::size_t kMostNrrdHeader = 1 << 20;
 
 std::string vector_text(const glm::dvec3& v) {
   std::ostringstream text;
@@ -51,7 +51,7 @@ struct NrrdText {
 };
 
 NrrdText split_header(const std::filesystem::path& path) {
-  const std::string text = read_file(path, kMostHeader);
+  const std::string text = read_file(path, kMostNrrdHeader);
   if (!text.starts_with("NRRD000")) throw UserError(path.string() + ": is no NRRD file");
   NrrdText header;
   std::size_t at = text.find('\n');

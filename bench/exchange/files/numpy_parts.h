@@ -9,6 +9,7 @@
 
 namespace wobblebench::bench::numpy {
 
+inline constexpr std::uint32_t kIn64 = 0xffffffff;  ///< in a ZIP: the number is in the ZIP64 field
 inline constexpr std::uint64_t kMostBytes = 4'000'000'000;  ///< of an array
 
 inline std::invalid_argument unreadable(const std::string& what) {

@@ -16,7 +16,7 @@ namespace wobblebench::bench {
 namespace {
 
 constexpr double kMiddle = 0.55, kRadius = 0.25, kRamp = 0.1;  // of the depth
-constexpr double kInside = 0.9, kOutside = 0.1, kNoise = 0.05;
+constexpr double kInside = 0.9, kOutside = 0.1, kNoiseLevel = 0.05;
 
 /// Uniform in [-1, 1], of an index.
 double noise(std::uint64_t index) {
@@ -90,8 +90,8 @@ hw::PolarVolume ball_volume(const hw::AcquisitionPlan& plan) {
     const double theta_rad = plan.theta_rad(static_cast<int>(stick.index.line));
     const glm::dvec3 position =
         geometry.to_cartesian({plan.sample_range_m(k), theta_rad, stick.motor_angle_rad});
-    const double value = ball(position, plan) +
-                         kNoise * noise(stick.sequence * length + static_cast<std::uint64_t>(k));
+    const double value = ball(position, plan) + kNoiseLevel * noise(stick.sequence * length +
+                                                                    static_cast<std::uint64_t>(k));
     return static_cast<float>(value);
   });
 }

@@ -201,7 +201,7 @@ ServiceTimes KnownTimes::at(int frames) const {
 
 namespace {
 
-using Json = nlohmann::json;
+using Json = nlohmann::ordered_json;
 
 /// Milliseconds in the report, seconds in the pool. Throws std::invalid_argument.
 TimePool pool_of(const Json& stage, const char* key) {

@@ -26,8 +26,8 @@ namespace wobblebench::bench {
 
 namespace {
 
-constexpr int kFailed = 1;
-constexpr int kRefused = 2;  ///< what the user gave
+constexpr int kChildFailed = 1;
+constexpr int kChildRefused = 2;  ///< what the user gave
 
 /// What was measured says why it failed through a pipe, and the caller says it to the user.
 struct Pipe {
@@ -56,9 +56,9 @@ Pipe open_pipe() {
   try {
     with_late_refusals(body);
   } catch (const UserError& error) {
-    fail(error, kRefused);
+    fail(error, kChildRefused);
   } catch (const std::exception& error) {
-    fail(error, kFailed);
+    fail(error, kChildFailed);
   }
   ::_exit(0);
 }
@@ -92,7 +92,7 @@ double peak_memory_bytes(const std::function<void()>& body) {
     throw std::runtime_error("memory: the process that was measured was ended by signal " +
                              std::to_string(WTERMSIG(status)));
   }
-  if (WEXITSTATUS(status) == kRefused) throw UserError(reason);
+  if (WEXITSTATUS(status) == kChildRefused) throw UserError(reason);
   if (WEXITSTATUS(status) != 0) throw std::runtime_error("memory: " + reason);
   return 1024.0 * static_cast<double>(usage.ru_maxrss);  // Linux counts kilobytes
 }

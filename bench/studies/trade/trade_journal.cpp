@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
-#include <limits>
 #include <nlohmann/json.hpp>
 #include <sstream>
 #include <stdexcept>
@@ -15,8 +14,6 @@ namespace wobblebench::bench {
 
 namespace {
 
-constexpr double kUnset = std::numeric_limits<double>::quiet_NaN();
-
 /// Over the pixels outside the band at silhouettes, in mm.
 double outside(const PictureMeasures& measures, double DepthStatistics::*member) {
   for (const RegionError& region : measures.regions) {
@@ -26,11 +23,11 @@ double outside(const PictureMeasures& measures, double DepthStatistics::*member)
   return kUnset;
 }
 
-using Column = std::pair<std::string, std::function<double(const PictureMeasures&)>>;
+using NamedMeasure = std::pair<std::string, std::function<double(const PictureMeasures&)>>;
 
-const std::vector<Column>& columns() {
+const std::vector<NamedMeasure>& columns() {
   using M = const PictureMeasures&;
-  static const std::vector<Column> all = {
+  static const std::vector<NamedMeasure> all = {
       {"median_mm", [](M m) { return m.raw.depth.median_m / kMillimetre; }},
       {"rms_mm", [](M m) { return m.raw.depth.rms_m / kMillimetre; }},
       {"p95_mm", [](M m) { return m.raw.depth.p95_m / kMillimetre; }},

@@ -16,7 +16,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr double kPredicted = 0.2;  // a time is, if the measured one is less than that off
-constexpr int kDigits = 3;
+constexpr int kRequestDigits = 3;
 
 /// Statistics of the requests that one method answered.
 struct MethodSummary {
@@ -68,11 +68,11 @@ Table method_table(const RequestStudy& study) {
                           {"held", "held on judging seeds"},
                           {.key = "volume_ratio",
                            .title = "time of volume, ratio, median",
-                           .digits = kDigits,
+                           .digits = kRequestDigits,
                            .significant = true},
                           {.key = "of_trade",
                            .title = "over that of the trade alone, median (quartiles)",
-                           .digits = kDigits,
+                           .digits = kRequestDigits,
                            .significant = true},
                           {"n", "requests that both answered"},
                           {"ratio_within_20_percent", "time predicted within 20 %: ratio"},

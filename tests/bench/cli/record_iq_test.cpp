@@ -18,7 +18,7 @@ namespace {
 using Json = nlohmann::json;
 
 constexpr std::size_t kHeaderBytes = 128;
-const Words kSmall = with({}, {kSphere, kScan, {"--set", "acquisition.samples_per_stick=128"}});
+const Words kSmallScan = with({}, {kSphere, kScan, {"--set", "acquisition.samples_per_stick=128"}});
 const Words kTwoVolumes = {"--volumes", "2", "--set", "acquisition.motor=alternating"};
 
 std::string at(const ScratchFolder& folder, const std::string& name) {
@@ -43,7 +43,7 @@ double detected(const std::string& array, std::size_t first, std::size_t each, i
 
 TEST(RecordIq, DetectedItIsTheRecording) {
   const ScratchFolder folder;
-  const auto result = bench(with({"record", "--iq", "--json"}, {kSmall, kTwoVolumes}), folder);
+  const auto result = bench(with({"record", "--iq", "--json"}, {kSmallScan, kTwoVolumes}), folder);
   ASSERT_EQ(result.exit_code, 0) << result.err;
   EXPECT_EQ(folder.files("out"),
             (Words{"iq.npy", "recording.json", "recording.wbst", "report.html", "report.json"}));
@@ -77,8 +77,8 @@ TEST(RecordIq, DetectedItIsTheRecording) {
 
 TEST(RecordIq, LeavesTheRecordingAsItIs) {
   const ScratchFolder folder;
-  ASSERT_EQ(bench(with({"record", "--iq", "--out", "a"}, {kSmall}), folder).exit_code, 0);
-  const auto plain = bench(with({"record", "--out", "b", "--json"}, {kSmall}), folder);
+  ASSERT_EQ(bench(with({"record", "--iq", "--out", "a"}, {kSmallScan}), folder).exit_code, 0);
+  const auto plain = bench(with({"record", "--out", "b", "--json"}, {kSmallScan}), folder);
   EXPECT_EQ(at(folder, "a/recording.wbst"), at(folder, "b/recording.wbst"));
   EXPECT_EQ(folder.files("b"),
             (Words{"recording.json", "recording.wbst", "report.html", "report.json"}));
@@ -87,12 +87,12 @@ TEST(RecordIq, LeavesTheRecordingAsItIs) {
 
 TEST(RecordIq, IsWhatWasEmittedWhateverTheLinkLoses) {
   const ScratchFolder folder;
-  ASSERT_EQ(bench(with({"record", "--iq", "--out", "whole"}, {kSmall}), folder).exit_code, 0);
+  ASSERT_EQ(bench(with({"record", "--iq", "--out", "whole"}, {kSmallScan}), folder).exit_code, 0);
   const std::string whole = at(folder, "whole/iq.npy");
   for (const std::string fault : {"drop:0.05+corrupt:0.05+seed:2", "unplug@60"}) {
     const auto result =
         bench(with({"record", "--iq", "--out", "lossy" + fault, "--board", "sim,faults=" + fault},
-                   {kSmall}),
+                   {kSmallScan}),
               folder);
     EXPECT_EQ(result.exit_code, fault.starts_with("unplug") ? 1 : 0) << result.err;
     const auto report = Json::parse(at(folder, "lossy" + fault + "/report.json"));
@@ -105,15 +105,15 @@ TEST(RecordIq, IsWhatWasEmittedWhateverTheLinkLoses) {
 TEST(RecordIq, OfAFullDiskTheRecordingIsKept) {
   const ScratchFolder folder;
   const auto result =
-      bench(with({"record", "--iq"}, {kSmall, kTwoVolumes}), folder, {.file_bytes = 1800000});
+      bench(with({"record", "--iq"}, {kSmallScan, kTwoVolumes}), folder, {.file_bytes = 1800000});
   EXPECT_EQ(result.exit_code, 1);
   EXPECT_NE(result.err.find("iq.npy: cannot be written: File too large; "), std::string::npos)
       << result.err;
   EXPECT_NE(result.err.find("out/recording.wbst.partial holds 1 whole volumes"), std::string::npos)
       << result.err;
   EXPECT_EQ(folder.files("out"), Words{"recording.wbst.partial"});
-  const auto none =
-      bench(with({"record", "--iq", "--out", "none"}, {kSmall}), folder, {.file_bytes = 500000});
+  const auto none = bench(
+      with({"record", "--iq", "--out", "none"}, {kSmallScan}), folder, {.file_bytes = 500000});
   EXPECT_EQ(none.exit_code, 1);
   EXPECT_NE(none.err.find("iq.npy: cannot be written: File too large; nothing is recorded"),
             std::string::npos)
@@ -133,7 +133,7 @@ TEST_P(RecordIqRefuses, InOneLine) {
   const ScratchFolder folder;
   fs::create_directory(folder.path() / "there");
   folder.write("there/iq.npy", "old");
-  ASSERT_EQ(bench(with({"record", "--out", "rec"}, {kSmall}), folder).exit_code, 0);
+  ASSERT_EQ(bench(with({"record", "--out", "rec"}, {kSmallScan}), folder).exit_code, 0);
   const auto result = bench(with({"record"}, {GetParam().arguments}), folder);
   EXPECT_EQ(result.exit_code, 2);
   EXPECT_NE(result.err.find(GetParam().message), std::string::npos) << result.err;

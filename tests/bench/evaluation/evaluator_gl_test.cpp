@@ -16,13 +16,13 @@ const std::vector<std::string> kScene = {"phantom.name=sphere",
                                          "render.scan_conversion.slice_size=128",
                                          "render.ray_casting.image_size=64"};
 
-render::GlContext& context() {
+render::GlContext& evaluator_context() {
   static const auto shared = render::make_context();
   return *shared;
 }
 
 Evaluator scanned(PhantomCache& cache, std::uint64_t seed) {
-  Evaluator evaluator(load_scene({}, kScene), context(), cache);
+  Evaluator evaluator(load_scene({}, kScene), evaluator_context(), cache);
   evaluator.scan(sim::Rung::field, seed);
   return evaluator;
 }
@@ -48,7 +48,7 @@ TEST(Evaluator, HasTheSticksAndTheScoreOfARun) {
               acquired.volume.frame(frame).motor_angle_rad);
   }
   const Evaluation scored = evaluator.evaluate(evaluator.scene().render());
-  const auto picture = render::render_volume(context(), acquired.volume, scene.render());
+  const auto picture = render::render_volume(evaluator_context(), acquired.volume, scene.render());
   expect_same_depths(scored.picture, picture);
   const Truth truth = trace_truth(*scene.subject(), scene.plan(), scene.view());
   const auto error = measure_depth_error(picture.depth_m, truth, scene.view().camera);

@@ -13,12 +13,12 @@ namespace wobblebench::render {
 namespace {
 
 /// The part of the small scene's slices inside the cone, so that no cell lies on the border.
-struct Fixture {
+struct CellFixture {
   hw::AcquisitionPlan plan = testing::small_plan();
   RenderOptions options = testing::small_options();
   SliceGeometry geometry{plan, options.scan_conversion.slice_size};
 
-  Fixture() {
+  CellFixture() {
     options.ray_casting.mode = RenderMode::surface;
     options.volume_of_interest.center_m = {0, 0, 0.12};
     options.volume_of_interest.size_m = {0.05, 0.05, 0.04};
@@ -49,7 +49,7 @@ std::size_t at(const MacrocellGrid& l, int interval, int row, int column) {
 }
 
 TEST(SkippableCells, ConstantSlicesAreSkippedEntirely) {
-  const Fixture fixture;
+  const CellFixture fixture;
   SkippableCells cells = fixture.cells();
   ASSERT_TRUE(cells.can_leap());
   for (int k = 0; k < 20; ++k) cells.set_bounds(k, flat(cells.grid(), 1));
@@ -59,7 +59,7 @@ TEST(SkippableCells, ConstantSlicesAreSkippedEntirely) {
 }
 
 TEST(SkippableCells, DistancesAreChebyshevDistances) {
-  const Fixture fixture;
+  const CellFixture fixture;
   SkippableCells cells = fixture.cells();
   const MacrocellGrid& l = cells.grid();
   std::mt19937 random(3);
@@ -88,7 +88,7 @@ TEST(SkippableCells, DistancesAreChebyshevDistances) {
 }
 
 TEST(SkippableCells, AnEdgeIsSampledDownstreamWithinTheBuffer) {
-  const Fixture fixture;
+  const CellFixture fixture;
   SkippableCells cells = fixture.cells();
   const MacrocellGrid& l = cells.grid();
   const int interval = 9, row = l.rows / 2,
@@ -106,7 +106,7 @@ TEST(SkippableCells, AnEdgeIsSampledDownstreamWithinTheBuffer) {
 }
 
 TEST(SkippableCells, AnEdgeOfTheOtherSignIsSkipped) {
-  Fixture fixture;
+  CellFixture fixture;
   for (EdgeSign edge : {EdgeSign::rising, EdgeSign::falling}) {
     fixture.options.ray_casting.edge = edge;
     SkippableCells cells = fixture.cells();
@@ -118,7 +118,7 @@ TEST(SkippableCells, AnEdgeOfTheOtherSignIsSkipped) {
 }
 
 TEST(SkippableCells, SlopesBelowTheThresholdAreSkippedAndAboveItSampled) {
-  const Fixture fixture;
+  const CellFixture fixture;
   SkippableCells cells = fixture.cells();
   const RayCastingOptions& o = fixture.options.ray_casting;
   // Difference of a ramp, Eq. (1): (n / 2)^2 step slope.
@@ -136,7 +136,7 @@ TEST(SkippableCells, SlopesBelowTheThresholdAreSkippedAndAboveItSampled) {
 
 // Difference, Eq. (1), is at most n / 2 times the largest sample, however steep the samples are.
 TEST(SkippableCells, SamplesTooDarkForTheThresholdAreSkipped) {
-  const Fixture fixture;
+  const CellFixture fixture;
   SkippableCells cells = fixture.cells();
   const RayCastingOptions& o = fixture.options.ray_casting;
   for (const double share : {0.9, 1.05}) {
@@ -150,7 +150,7 @@ TEST(SkippableCells, SamplesTooDarkForTheThresholdAreSkipped) {
 
 // A mean that rises so far above another has a sample that does.
 TEST(SkippableCells, FloorSamplesWhereAValueReachesTheRise) {
-  Fixture fixture;
+  CellFixture fixture;
   fixture.options.ray_casting.detector = Detector::floor;
   SkippableCells cells = fixture.cells();
   ASSERT_TRUE(cells.can_leap());
@@ -162,7 +162,7 @@ TEST(SkippableCells, FloorSamplesWhereAValueReachesTheRise) {
 }
 
 TEST(SkippableCells, VisibleCellsAreSampled) {
-  Fixture fixture;
+  CellFixture fixture;
   fixture.options.ray_casting.mode = RenderMode::volume;  // opaque from 0.2 on
   SkippableCells cells = fixture.cells();
   for (int k = 0; k < 20; ++k) cells.set_bounds(k, flat(cells.grid(), 0.19f));
@@ -190,7 +190,7 @@ bool some_ray_returns(const SliceGeometry& geometry, const Camera& camera) {
 
 // A ray that could come back into the cone has to notice that it left it.
 TEST(SkippableCells, TheConesBorderIsSampledWhereARayMayComeBackIntoTheCone) {
-  Fixture fixture;
+  CellFixture fixture;
   fixture.options.volume_of_interest.size_m = {0.3, 0.3, 0.3};
   int views_without = 0, views_that_return = 0;
   std::mt19937 random(5);
@@ -217,7 +217,7 @@ TEST(SkippableCells, TheConesBorderIsSampledWhereARayMayComeBackIntoTheCone) {
 }
 
 TEST(SkippableCells, EverythingIsSampledWithASingleFrame) {
-  Fixture fixture;
+  CellFixture fixture;
   hw::AcquisitionOptions single = fixture.plan.acquisition();
   single.frames_per_volume = 1;
   fixture.plan = hw::AcquisitionPlan(hw::ProbeOptions{}, single);

@@ -19,8 +19,8 @@
 namespace wobblebench::render {
 namespace {
 
-constexpr double kRadius_m = 0.02;
-const glm::dvec3 kCenter{0.004, -0.004, 0.09};
+constexpr double kBallRadius_m = 0.02;
+const glm::dvec3 kBallCenter{0.004, -0.004, 0.09};
 constexpr double kFan = 50 * kDegree;
 
 hw::AcquisitionPlan plan_of(hw::MotorMode motor) {
@@ -83,10 +83,10 @@ Ball fitted(const Picture& picture, const RenderOptions& options) {
   for (int row = 0; row < camera.image_size; ++row) {
     for (int column = 0; column < camera.image_size; ++column) {
       const hw::Ray ray = camera.ray(column, row);
-      const double beside_m = glm::length(glm::cross(kCenter - ray.origin, ray.direction));
+      const double beside_m = glm::length(glm::cross(kBallCenter - ray.origin, ray.direction));
       const auto z_m = static_cast<double>(picture.depth_m.at(column, row));
-      if (beside_m > 0.75 * kRadius_m || std::isnan(z_m)) continue;
-      const glm::dvec3 p = 1e3 * (ray.at(z_m) - kCenter);
+      if (beside_m > 0.75 * kBallRadius_m || std::isnan(z_m)) continue;
+      const glm::dvec3 p = 1e3 * (ray.at(z_m) - kBallCenter);
       const std::array<double, 5> equation{2 * p.x, 2 * p.y, 2 * p.z, 1, glm::dot(p, p)};
       for (std::size_t i = 0; i < 4; ++i) {
         for (std::size_t k = 0; k < 5; ++k) sums[i][k] += equation[i] * equation[k];
@@ -97,7 +97,7 @@ Ball fitted(const Picture& picture, const RenderOptions& options) {
   EXPECT_GT(count, 500);
   const auto [x, y, z, w] = solved(sums);
   const glm::dvec3 center(x, y, z);
-  return {kCenter + 1e-3 * center, 1e-3 * std::sqrt(w + glm::dot(center, center))};
+  return {kBallCenter + 1e-3 * center, 1e-3 * std::sqrt(w + glm::dot(center, center))};
 }
 
 /// `tolerance_m`: of radius and centre.
@@ -105,17 +105,19 @@ void expect_ball(const hw::PolarVolume& volume, RenderOptions options, double to
   for (const PipelineMode mode : {PipelineMode::fast, PipelineMode::plain}) {
     options.pipeline.mode = mode;
     const Ball ball = fitted(render_volume(testing::gl_context(), volume, options), options);
-    EXPECT_NEAR(ball.radius_m, kRadius_m, tolerance_m);
-    EXPECT_LE(glm::distance(ball.center_m, kCenter), tolerance_m)
-        << 1e3 * (ball.center_m.x - kCenter.x) << ", " << 1e3 * (ball.center_m.y - kCenter.y)
-        << ", " << 1e3 * (ball.center_m.z - kCenter.z) << " mm";
+    EXPECT_NEAR(ball.radius_m, kBallRadius_m, tolerance_m);
+    EXPECT_LE(glm::distance(ball.center_m, kBallCenter), tolerance_m)
+        << 1e3 * (ball.center_m.x - kBallCenter.x) << ", "
+        << 1e3 * (ball.center_m.y - kBallCenter.y) << ", "
+        << 1e3 * (ball.center_m.z - kBallCenter.z) << " mm";
   }
 }
 
 hw::PolarVolume ball_scanned(const hw::AcquisitionPlan& plan,
                              const testing::MotorLaw& law,
                              std::uint32_t volume = 0) {
-  return testing::sample_field(plan, testing::sphere(kCenter, kRadius_m, 3e-3), volume, law);
+  return testing::sample_field(
+      plan, testing::sphere(kBallCenter, kBallRadius_m, 3e-3), volume, law);
 }
 
 struct Law {

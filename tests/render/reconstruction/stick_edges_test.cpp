@@ -7,35 +7,35 @@
 namespace wobblebench::render {
 namespace {
 
-constexpr int kFrames = 5, kLines = 6, kSamples = 512;
+constexpr int kFrames = 5, kLines = 6, kStickSamples = 512;
 
-hw::AcquisitionPlan plan() {
+hw::AcquisitionPlan edge_plan() {
   hw::AcquisitionOptions scan;
   scan.frames_per_volume = kFrames;
   scan.sticks_per_frame = kLines;
-  scan.samples_per_stick = kSamples;
+  scan.samples_per_stick = kStickSamples;
   return {hw::ProbeOptions{}, scan};
 }
 
 /// Frames of 0.1 before and 0.9 behind an edge whose range rises by 1 mm a line.
 struct Scan {
-  std::vector<std::vector<float>> frames{kFrames,
-                                         std::vector<float>(std::size_t{kLines} * kSamples, 0.1f)};
-  std::vector<SampleSpan> spans{std::size_t{kFrames} * kLines, {10, kSamples}};
+  std::vector<std::vector<float>> frames{
+      kFrames, std::vector<float>(std::size_t{kLines} * kStickSamples, 0.1f)};
+  std::vector<SampleSpan> spans{std::size_t{kFrames} * kLines, {10, kStickSamples}};
 
   static double edge_m(int line) { return 80e-3 + 1e-3 * line; }
   /// Sample k covers its spacing about (k + 1/2) spacings; the edge lies within one.
   void step(int frame, int line, double range_m, float beyond = 0.9f) {
-    const double at = range_m / plan().sample_spacing_m();
-    for (int k = 0; k < kSamples; ++k) {
+    const double at = range_m / edge_plan().sample_spacing_m();
+    for (int k = 0; k < kStickSamples; ++k) {
       const double share = std::clamp(k + 1 - at, 0.0, 1.0);
-      float& sample =
-          frames[static_cast<std::size_t>(frame)][static_cast<std::size_t>(line * kSamples + k)];
+      float& sample = frames[static_cast<std::size_t>(frame)]
+                            [static_cast<std::size_t>(line * kStickSamples + k)];
       sample = static_cast<float>(0.1 + share * (double{beyond} - 0.1));
     }
   }
   std::vector<double> edges(EdgeSign sign = EdgeSign::rising) const {
-    return find_stick_edges(plan(), frames, spans, {0.1, 0.9, true}, sign, 0.5);
+    return find_stick_edges(edge_plan(), frames, spans, {0.1, 0.9, true}, sign, 0.5);
   }
 };
 
@@ -74,12 +74,12 @@ TEST(StickEdges, NeedSupport) {
 
 TEST(StickEdges, NeedThreeMillimetresBehindThem) {
   Scan scan = tilted_plane();
-  const double spacing_m = plan().sample_spacing_m();
+  const double spacing_m = edge_plan().sample_spacing_m();
   // A bright speck of 1.5 mm in front of all edges.
   for (auto& frame : scan.frames) {
     for (int l = 0; l < kLines; ++l) {
       for (int k = 0; k < static_cast<int>(1.5e-3 / spacing_m); ++k) {
-        frame[static_cast<std::size_t>(l * kSamples + 200 + k)] = 0.9f;
+        frame[static_cast<std::size_t>(l * kStickSamples + 200 + k)] = 0.9f;
       }
     }
   }
@@ -94,8 +94,8 @@ TEST(StickEdges, LieInTheBox) {
 
 TEST(StickEdges, OfOneKindOfEchoesAreNone) {
   const Scan scan = tilted_plane();
-  const auto edges =
-      find_stick_edges(plan(), scan.frames, scan.spans, {0.1, 0.9, false}, EdgeSign::rising, 0.5);
+  const auto edges = find_stick_edges(
+      edge_plan(), scan.frames, scan.spans, {0.1, 0.9, false}, EdgeSign::rising, 0.5);
   for (const double edge_m : edges) EXPECT_TRUE(std::isnan(edge_m));
 }
 

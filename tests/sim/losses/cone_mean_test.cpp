@@ -17,10 +17,10 @@
 namespace wobblebench::sim {
 namespace {
 
-constexpr double kDepth_m = 0.16;
-constexpr double kSheet_m = 50e-3, kThick_m = 0.5e-3;  // range and thickness of the sheet
+constexpr double kConeDepth_m = 0.16;
+constexpr double kSheet_m = 50e-3, kConeThick_m = 0.5e-3;  // range and thickness of the sheet
 
-const hw::AcquisitionPlan& plan() {
+const hw::AcquisitionPlan& cone_plan() {
   static const hw::AcquisitionPlan default_plan({}, {});
   return default_plan;
 }
@@ -45,10 +45,10 @@ std::vector<phantoms::Material> materials() {
 /// `beside`: the material of sticks that are not covered.
 StickTrack track(bool covered, double sheet_m, phantoms::MaterialIndex beside) {
   StickTrack result;
-  result.stretches = {{0, kDepth_m, beside}};
+  result.stretches = {{0, kConeDepth_m, beside}};
   if (covered) {
-    const double behind_m = sheet_m + kThick_m;
-    result.stretches = {{0, sheet_m, 0}, {sheet_m, behind_m, 1}, {behind_m, kDepth_m, 0}};
+    const double behind_m = sheet_m + kConeThick_m;
+    result.stretches = {{0, sheet_m, 0}, {sheet_m, behind_m, 1}, {behind_m, kConeDepth_m, 0}};
     result.interfaces = {{sheet_m, 0, 1}, {behind_m, 1, 0}};
   }
   return result;
@@ -62,7 +62,7 @@ class Shadow {
       const std::function<bool(int frame, int line)>& covered,
       const std::function<double(int line)>& sheet_m = [](int) { return kSheet_m; },
       bool fluid_beside = false)
-      : grid_(LossGrid::of(plan, kDepth_m)),
+      : grid_(LossGrid::of(plan, kConeDepth_m)),
         cone_(ProbeOptics(plan), grid_),
         section_(ProbeOptics(plan), grid_, cone_),
         table_(grid_),
@@ -155,7 +155,7 @@ TEST(ConeMean, ValuesBetweenSticksKeepTheSmallerOne) {
 }
 
 double wavelength_m() {
-  return plan().acquisition().sound_speed_m_s / plan().probe().center_frequency_hz;
+  return cone_plan().acquisition().sound_speed_m_s / cone_plan().probe().center_frequency_hz;
 }
 
 /// Paths are few, and the sheet's edge is known within a stick.
@@ -164,11 +164,11 @@ constexpr double kTolerance = 0.09;
 constexpr double kNearTolerance = 0.12, kNear_m = 16e-3;
 
 TEST(ConeMean, ShadowInTheImagePlaneIsThatOfTheBeam) {
-  Shadow shadow(plan(), [](int, int line) { return line < 32; });
+  Shadow shadow(cone_plan(), [](int, int line) { return line < 32; });
   const auto found = shadow.amplitudes(18);
   const int nodes = shadow.grid().nodes;
-  const double line_m = plan().theta_step_rad() * (plan().probe().radius_m + kSheet_m);
-  const double focus_m = plan().probe().transmit_focus_m;
+  const double line_m = cone_plan().theta_step_rad() * (cone_plan().probe().radius_m + kSheet_m);
+  const double focus_m = cone_plan().probe().transmit_focus_m;
   double softest = 0;
   for (int node = 0; node < nodes; ++node) {
     const double r = node * shadow.grid().step_m;
@@ -176,12 +176,13 @@ TEST(ConeMean, ShadowInTheImagePlaneIsThatOfTheBeam) {
     for (int line = 0; line < shadow.grid().lines; ++line) {
       const double aside_m = (line - 31.5) * line_m;
       const double expected =
-          r < kSheet_m ? 1
-                       : amplitude_behind({ProbeOptics(plan()).transmit_aperture_m(r), focus_m},
-                                          {ProbeOptics(plan()).receive_aperture_m(r), r},
-                                          r,
-                                          wavelength_m(),
-                                          {kSheet_m, kFace, aside_m});
+          r < kSheet_m
+              ? 1
+              : amplitude_behind({ProbeOptics(cone_plan()).transmit_aperture_m(r), focus_m},
+                                 {ProbeOptics(cone_plan()).receive_aperture_m(r), r},
+                                 r,
+                                 wavelength_m(),
+                                 {kSheet_m, kFace, aside_m});
       const double amplitude = found[static_cast<std::size_t>(line * nodes + node)];
       const double tolerance = r < kSheet_m + kNear_m ? kNearTolerance : kTolerance;
       EXPECT_NEAR(amplitude, expected, tolerance) << line << " " << r;
@@ -221,8 +222,8 @@ TEST(ConeMean, ShadowAcrossTheImagePlaneIsThatOfTheBeam) {
 }
 
 TEST(ConeMean, AnEvenSheetIsThatOfTheAxis) {
-  const LossGrid grid = LossGrid::of(plan(), kDepth_m);
-  Shadow shadow(plan(), [](int, int) { return true; });
+  const LossGrid grid = LossGrid::of(cone_plan(), kConeDepth_m);
+  Shadow shadow(cone_plan(), [](int, int) { return true; });
   const auto found = shadow.amplitudes(3);
   for (int i = 0; i < grid.lines * grid.nodes; ++i) {
     const bool behind = i % grid.nodes * grid.step_m > kSheet_m;
@@ -235,7 +236,7 @@ TEST(ConeMean, NothingChangesInFrontOfAnObliqueSheet) {
   constexpr int kBeamLines = 4;
   const auto sheet_m = [](int line) { return 30e-3 + 1.9e-3 * line; };  // some 45 degrees
   Shadow shadow(
-      plan(), [](int, int) { return true; }, sheet_m);
+      cone_plan(), [](int, int) { return true; }, sheet_m);
   const auto& grid = shadow.grid();
   const auto log_gain = shadow.log_gain(18);
   for (int line = 0; line < grid.lines; ++line) {
@@ -260,7 +261,7 @@ TEST(ConeMean, FluidBesideAShadowDoesNotLightIt) {
 
 /// The aperture ends with the array: at the sector's edge only the paths from one side remain.
 TEST(ConeMean, NoWayStartsBesideTheArray) {
-  Shadow shadow(plan(), [](int, int line) { return line > 0; });
+  Shadow shadow(cone_plan(), [](int, int line) { return line > 0; });
   const auto found = shadow.amplitudes(18);
   const int nodes = shadow.grid().nodes;
   // The sheet covers all paths from the array except those within half a line of its end.

@@ -15,9 +15,9 @@ using phantoms::material;
 
 constexpr int kCount = 1000;
 constexpr double kSpacing_m = 0.1e-3;
-constexpr double kDepth_m = kCount * kSpacing_m;
+constexpr double kStickDepth_m = kCount * kSpacing_m;
 
-const hw::AcquisitionPlan& plan() {
+const hw::AcquisitionPlan& losses_plan() {
   static const hw::AcquisitionPlan default_plan({}, {});
   return default_plan;
 }
@@ -36,13 +36,13 @@ SimulationOptions no_threshold() {
 
 StickTrack one_material() {
   StickTrack track;
-  track.stretches = {{0, kDepth_m, 0}};
+  track.stretches = {{0, kStickDepth_m, 0}};
   return track;
 }
 
 StickTrack two_materials(double at_m, double cos_incidence = 1) {
   StickTrack track;
-  track.stretches = {{0, at_m, 0}, {at_m, kDepth_m, 1}};
+  track.stretches = {{0, at_m, 0}, {at_m, kStickDepth_m, 1}};
   track.interfaces = {{at_m, 0, 1, cos_incidence}};
   return track;
 }
@@ -50,7 +50,7 @@ StickTrack two_materials(double at_m, double cos_incidence = 1) {
 StickLosses losses_of(const StickTrack& track,
                       const std::vector<Material>& materials,
                       const SimulationOptions& options) {
-  StickLosses losses(plan(), options, materials, kSpacing_m, kCount);
+  StickLosses losses(losses_plan(), options, materials, kSpacing_m, kCount);
   losses.compute(track);
   return losses;
 }
@@ -96,7 +96,7 @@ struct Received {
 };
 
 Received received(double nepers, double lowest = 0.2) {
-  const double half = plan().probe().fractional_bandwidth / 2;
+  const double half = losses_plan().probe().fractional_bandwidth / 2;
   double sum = 0, first = 0, sent = 0;
   for (int i = 0; i <= 5000; ++i) {
     const double f = lowest + 1e-3 * (i + 0.5);
@@ -245,7 +245,7 @@ TEST(Losses, TimeGainCompensatesTheCentreFrequency) {
   for (int i = 0; i < kCount; i += 111) {
     const double range_m = (i + 0.5) * kSpacing_m, lost = nepers(tissue, range_m);
     const double gained = static_cast<double>(losses.remaining()[static_cast<std::size_t>(i)]) *
-                          time_gain(plan(), options, range_m);
+                          time_gain(losses_plan(), options, range_m);
     EXPECT_NEAR(db(gained), db(received(lost).amplitude * std::exp(lost)), 2e-3);
   }
 }
@@ -257,7 +257,7 @@ TEST(Losses, TheAperturesCorrectionIsInterpolatedBetweenNodes) {
   const std::vector<Material> materials = {material("water"), material("fetal_skull")};
   const auto track = two_materials(10e-3, 0.1);  // total reflection
   const std::vector<float> log_gain = {0, 0, 8, 10, 10}, frequency(5, 0);
-  StickLosses losses(plan(), options, materials, kSpacing_m, kCount);
+  StickLosses losses(losses_plan(), options, materials, kSpacing_m, kCount);
   losses.compute(track, {25e-3, log_gain, frequency});
   ASSERT_EQ(losses.remaining().size(), static_cast<std::size_t>(kCount));
   EXPECT_EQ(losses.visible_samples(), kCount);

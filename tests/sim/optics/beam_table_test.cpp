@@ -13,7 +13,7 @@ namespace {
 
 using Complex = std::complex<double>;
 
-const hw::AcquisitionPlan& plan() {
+const hw::AcquisitionPlan& table_plan() {
   static const hw::AcquisitionPlan shared({}, {});
   return shared;
 }
@@ -33,7 +33,7 @@ PulseBand::Values stored(const BeamTable& table,
                          int part,
                          int column,
                          double offset_m) {
-  const PulseBand band(plan());
+  const PulseBand band(table_plan());
   const double range_m = part_m(table, direction, row, part);
   const auto property = [&](float BeamRow::*member) {
     return line_around(row,
@@ -75,17 +75,17 @@ class Agreement {
 };
 
 TEST_P(BeamShapes, RowsAreTheResponseOfTheirStick) {
-  const BeamTable table(ProbeOptics(plan()), GetParam());
+  const BeamTable table(ProbeOptics(table_plan()), GetParam());
   const int columns = 2 * table.columns();
   for (double theta_deg : {0.0, 21.0, 38.5}) {
     const std::size_t angle = table.lateral_of(theta_deg * kDegree);
     // Lateral tables lie at the angles of the sticks.
     double nearest = 1;
-    for (int line = 0; line < plan().acquisition().sticks_per_frame; ++line) {
-      const double theta = plan().theta_rad(line);
+    for (int line = 0; line < table_plan().acquisition().sticks_per_frame; ++line) {
+      const double theta = table_plan().theta_rad(line);
       if (table.lateral_of(theta) == angle && theta > 0) nearest = theta;
     }
-    const StickAperture aperture(ProbeOptics(plan()), nearest);
+    const StickAperture aperture(ProbeOptics(table_plan()), nearest);
     const auto& direction = table.lateral()[angle];
     for (int row : {40, 41, 75, 120, 151}) {
       const auto response = PlaneResponse::lateral(aperture, middle_m(table, row));
@@ -102,15 +102,15 @@ TEST_P(BeamShapes, RowsAreTheResponseOfTheirStick) {
 }
 
 TEST_P(BeamShapes, PartsOfRowsAreTheResponseOfTheLens) {
-  const BeamTable table(ProbeOptics(plan()), GetParam());
+  const BeamTable table(ProbeOptics(table_plan()), GetParam());
   const auto& direction = table.elevation();
-  const PulseBand band(plan());
-  const StickAperture middle(ProbeOptics(plan()), 0);
+  const PulseBand band(table_plan());
+  const StickAperture middle(ProbeOptics(table_plan()), 0);
   for (int row : {30, 40, 41, 75, 120, 151}) {
     for (int part = 0; part < direction.parts; ++part) {
       const double range_m = part_m(table, direction, row, part);
       const auto response =
-          PlaneResponse::elevation(ProbeOptics(plan()), InPlaneExcess(middle, range_m));
+          PlaneResponse::elevation(ProbeOptics(table_plan()), InPlaneExcess(middle, range_m));
       // The last column ends where the line of the row's columns has it.
       const double columns_per_m =
           line_around(row, table.rows(), table.rows_per_m(), [&](std::size_t i) {
@@ -128,7 +128,7 @@ TEST_P(BeamShapes, PartsOfRowsAreTheResponseOfTheLens) {
 }
 
 TEST_P(BeamShapes, AnEchoOnTheAxisHasAPeakOfOne) {
-  const BeamTable table(ProbeOptics(plan()), GetParam());
+  const BeamTable table(ProbeOptics(table_plan()), GetParam());
   for (int row = 30; row < 150; row += 17) {
     const auto& lateral = table.lateral()[0];
     const auto at = static_cast<std::size_t>(row);
@@ -137,17 +137,17 @@ TEST_P(BeamShapes, AnEchoOnTheAxisHasAPeakOfOne) {
     PulseBand::Values product = stored(table, lateral, row, 0, table.columns(), 0.5 * step_m);
     const auto elevation = stored(table, table.elevation(), row, 0, 0, 0.5 * across_m);
     for (std::size_t node = 0; node < product.size(); ++node) product[node] *= elevation[node];
-    EXPECT_NEAR(PulseBand(plan()).peak(product), 1, 0.04) << row;
+    EXPECT_NEAR(PulseBand(table_plan()).peak(product), 1, 0.04) << row;
   }
 }
 
 TEST_P(BeamShapes, ReachLeavesOutTheSameShareOfPowerAtEveryRange) {
-  const BeamTable table(ProbeOptics(plan()), GetParam());
+  const BeamTable table(ProbeOptics(table_plan()), GetParam());
   const double beyond = GetParam() == BeamShape::main_lobe ? 0.008 : 5e-5;
-  const PulseBand band(plan());
+  const PulseBand band(table_plan());
   for (int row = 20; row < table.rows(); row += 23) {
-    const InPlaneExcess excess(StickAperture(ProbeOptics(plan()), 0), middle_m(table, row));
-    const auto response = PlaneResponse::elevation(ProbeOptics(plan()), excess);
+    const InPlaneExcess excess(StickAperture(ProbeOptics(table_plan()), 0), middle_m(table, row));
+    const auto response = PlaneResponse::elevation(ProbeOptics(table_plan()), excess);
     const double reach_m = table.reach_m(table.elevation(), row);
     double within = 0, outside = 0;
     std::vector<PlanePoint> points;
@@ -168,12 +168,12 @@ INSTANTIATE_TEST_SUITE_P(All,
                          testing::Values(BeamShape::main_lobe, BeamShape::side_lobes));
 
 TEST(BeamTable, SticksHaveTheTableOfTheirAngle) {
-  const BeamTable table(ProbeOptics(plan()), BeamShape::main_lobe);
-  const int lines = plan().acquisition().sticks_per_frame;
+  const BeamTable table(ProbeOptics(table_plan()), BeamShape::main_lobe);
+  const int lines = table_plan().acquisition().sticks_per_frame;
   for (int line = 0; line < lines / 2; ++line) {
-    EXPECT_EQ(table.lateral_of(plan().theta_rad(line)),
-              table.lateral_of(plan().theta_rad(lines - 1 - line)));
-    EXPECT_EQ(table.lateral_of(plan().theta_rad(line)),
+    EXPECT_EQ(table.lateral_of(table_plan().theta_rad(line)),
+              table.lateral_of(table_plan().theta_rad(lines - 1 - line)));
+    EXPECT_EQ(table.lateral_of(table_plan().theta_rad(line)),
               static_cast<std::size_t>(lines / 2 - 1 - line));
   }
 }

@@ -17,7 +17,7 @@ namespace {
 
 using Complex = std::complex<double>;
 
-const hw::AcquisitionPlan& plan() {
+const hw::AcquisitionPlan& response_plan() {
   static const hw::AcquisitionPlan shared({}, {});
   return shared;
 }
@@ -28,9 +28,9 @@ PulseBand::Values at(const PlaneResponse& response, double axial_m, double offse
 }
 
 TEST(PlaneResponse, InItsFocusALensMakesASquaredSinc) {
-  const PulseBand band(plan());
-  const auto response = PlaneResponse::elevation(ProbeOptics(plan()), InPlaneExcess());
-  const auto& probe = plan().probe();
+  const PulseBand band(response_plan());
+  const auto response = PlaneResponse::elevation(ProbeOptics(response_plan()), InPlaneExcess());
+  const auto& probe = response_plan().probe();
   const auto axis = at(response, probe.elevation_focus_m, 0);
   for (double offset_m : {0.3e-3, 1e-3, 1.7e-3, 2.9e-3}) {
     const auto found = at(response, probe.elevation_focus_m, offset_m);
@@ -46,11 +46,11 @@ TEST(PlaneResponse, InItsFocusALensMakesASquaredSinc) {
 
 /// -6 dB width across frames of the largest echo of a point on the middle stick at a range.
 double width_across_m(double range_m) {
-  const PulseBand band(plan());
-  const StickAperture aperture(ProbeOptics(plan()), 0);
+  const PulseBand band(response_plan());
+  const StickAperture aperture(ProbeOptics(response_plan()), 0);
   const auto in_plane = at(PlaneResponse::lateral(aperture, range_m), range_m, 0);
   const auto across =
-      PlaneResponse::elevation(ProbeOptics(plan()), InPlaneExcess(aperture, range_m));
+      PlaneResponse::elevation(ProbeOptics(response_plan()), InPlaneExcess(aperture, range_m));
   constexpr double kStep_m = 20e-6;
   std::vector<double> peaks;
   for (int i = 0; i < 400; ++i) {
@@ -80,7 +80,7 @@ TEST(PlaneResponse, APointIsAsWideAcrossFramesAsTheElementSumSays) {
 /// Transmit and receive summed over five strips of each element.
 Complex brute_force(double theta_rad, double range_m, double offset_m, double wavenumber_per_m) {
   constexpr int kStrips = 5;
-  const auto& probe = plan().probe();
+  const auto& probe = response_plan().probe();
   const double receive_m = range_m / probe.f_number;
   const double transmit_m = probe.transmit_focus_m / probe.f_number;
   Complex sent = 0, received = 0;
@@ -111,9 +111,9 @@ Complex brute_force(double theta_rad, double range_m, double offset_m, double wa
 }
 
 TEST(PlaneResponse, IsTheSumOverTheStripsOfElements) {
-  const PulseBand band(plan());
+  const PulseBand band(response_plan());
   for (double theta_deg : {0.0, 20.0, -38.5}) {
-    const StickAperture aperture(ProbeOptics(plan()), theta_deg * kDegree);
+    const StickAperture aperture(ProbeOptics(response_plan()), theta_deg * kDegree);
     for (double range_m : {30e-3, 75e-3, 140e-3}) {
       const auto response = PlaneResponse::lateral(aperture, range_m);
       const double largest = std::abs(brute_force(0, range_m, 0, band.wavenumber_per_m(1)));
@@ -135,7 +135,7 @@ TEST(PlaneResponse, IsTheSumOverTheStripsOfElements) {
 TEST(StickAperture, EndsWithTheArray) {
   const double edge_rad = 38.5 * kDegree, focus_m = 75e-3;
   const auto sum = [&](double theta_rad) {
-    const StickAperture aperture(ProbeOptics(plan()), theta_rad);
+    const StickAperture aperture(ProbeOptics(response_plan()), theta_rad);
     double weights = 0;
     for (const Element& element : aperture.elements()) {
       weights += aperture.receive_weight(element, focus_m);
@@ -150,7 +150,7 @@ TEST(StickAperture, EndsWithTheArray) {
 TEST(StickAperture, WindowsFallTowardsTheEnds) {
   const double focus_m = 75e-3;
   for (const auto apodisation : {Apodisation::hann, Apodisation::tukey}) {
-    const StickAperture aperture(ProbeOptics(plan(), {.apodisation = apodisation}), 0);
+    const StickAperture aperture(ProbeOptics(response_plan(), {.apodisation = apodisation}), 0);
     double sum = 0, middle = 0, count = 0;
     for (const Element& element : aperture.elements()) {
       const double weight = aperture.transmit_weight(element, focus_m);

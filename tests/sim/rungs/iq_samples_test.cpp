@@ -18,15 +18,15 @@ namespace {
 using Complex = std::complex<float>;
 using Volume = std::map<std::uint64_t, std::vector<Complex>>;  ///< by sequence number
 
-constexpr int kSamples = 64;
+constexpr int kIqSamples = 64;
 
-hw::AcquisitionPlan small_plan() {
+hw::AcquisitionPlan iq_plan() {
   return {{},
           {.depth_m = 40e-3,
            .sector_rad = 0.02,
            .fan_rad = 0.02,
            .sticks_per_frame = 3,
-           .samples_per_stick = kSamples,
+           .samples_per_stick = kIqSamples,
            .frames_per_volume = 2,
            .volumes = 2,
            .motor = hw::MotorMode::alternating}};
@@ -37,7 +37,7 @@ phantoms::PlacedPhantom placed_sphere(const hw::AcquisitionPlan& plan) {
   return phantoms::still_at(phantom, {0, 0, plan.probe().radius_m + 20e-3});
 }
 
-SimulationOptions options_of(Rung rung) {
+SimulationOptions iq_options(Rung rung) {
   SimulationOptions options;
   options.fidelity = rung;
   options.scatterers_per_cell = 1;
@@ -50,7 +50,7 @@ SimulationOptions options_of(Rung rung) {
 
 /// The samples of volume 1, and its IQ samples.
 std::pair<VolumeSamples, Volume> scanned(const SimulationOptions& options) {
-  const auto plan = small_plan();
+  const auto plan = iq_plan();
   const ProbeSimulator simulator(placed_sphere(plan), plan, options);
   Volume iq;
   std::mutex mutex;
@@ -64,7 +64,7 @@ std::pair<VolumeSamples, Volume> scanned(const SimulationOptions& options) {
 }
 
 double detected(const std::vector<Complex>& iq, int k, const SimulationOptions& options) {
-  const std::size_t each = iq.size() / kSamples, first = static_cast<std::size_t>(k) * each;
+  const std::size_t each = iq.size() / kIqSamples, first = static_cast<std::size_t>(k) * each;
   double envelope = 0;
   for (std::size_t i = first; i < first + each; ++i) {
     envelope += std::hypot(double(iq[i].real()), double(iq[i].imag())) / static_cast<double>(each);
@@ -73,7 +73,7 @@ double detected(const std::vector<Complex>& iq, int k, const SimulationOptions& 
     const Complex middle = iq[first + each / 2];
     envelope = std::hypot(double(middle.real()), double(middle.imag()));
   }
-  const double range_cm = (k + 0.5) / kSamples * 4.0;
+  const double range_cm = (k + 0.5) / kIqSamples * 4.0;
   const double gain_db = 2 * options.tgc_db_per_cm_mhz * 3.5 * range_cm - options.full_scale_db;
   const double amplitude = envelope * std::pow(10, gain_db / 20);
   if (options.output == hw::SampleScale::linear_envelope) return amplitude;
@@ -86,8 +86,8 @@ void expect_detected(const SimulationOptions& options) {
   std::size_t at = 0;
   int shown = 0;
   for (const auto& [sequence, stick] : iq) {
-    EXPECT_EQ(stick.size() % kSamples, 0U);
-    for (int k = 0; k < kSamples; ++k) {
+    EXPECT_EQ(stick.size() % kIqSamples, 0U);
+    for (int k = 0; k < kIqSamples; ++k) {
       const double expected = detected(stick, k, options);
       const double sample = static_cast<double>(samples.at(at++));
       const bool linear = options.output == hw::SampleScale::linear_envelope;
@@ -101,14 +101,14 @@ void expect_detected(const SimulationOptions& options) {
 
 TEST(IqSamples, DetectedTheyAreTheSamplesOfEachRung) {
   for (const Rung rung : {Rung::field, Rung::scatterers, Rung::reference}) {
-    expect_detected(options_of(rung));
+    expect_detected(iq_options(rung));
   }
 }
 
 TEST(IqSamples, DetectedTheyAreTheSamplesOfEachReceiveChain) {
   for (const auto output : {hw::SampleScale::log_compressed, hw::SampleScale::linear_envelope}) {
     for (const bool low_pass : {true, false}) {
-      auto options = options_of(Rung::field);
+      auto options = iq_options(Rung::field);
       options.output = output;
       options.low_pass = low_pass;
       expect_detected(options);
@@ -117,14 +117,14 @@ TEST(IqSamples, DetectedTheyAreTheSamplesOfEachReceiveChain) {
 }
 
 TEST(IqSamples, WithoutNoiseTheyAreTheEchoes) {
-  auto options = options_of(Rung::field);
+  auto options = iq_options(Rung::field);
   options.noise_db = kZeroAmplitude_db;
   expect_detected(options);
 }
 
 /// At -70 dB, in each of its samples.
 TEST(IqSamples, HoldTheNoise) {
-  auto options = options_of(Rung::field);
+  auto options = iq_options(Rung::field);
   options.speckle = false;
   const auto noisy = scanned(options).second;
   options.noise_db = kZeroAmplitude_db;
@@ -155,7 +155,7 @@ TEST(IqSamples, PhaseIsThatOfTheTwoWayPath) {
                                  ball.region_of_interest(),
                                  ball.suggested_position_m(),
                                  {std::make_shared<int>(), &ball.grids()});
-  auto options = options_of(Rung::field);
+  auto options = iq_options(Rung::field);
   options.noise_db = kZeroAmplitude_db;
   options.speckle = false;
   const hw::AcquisitionPlan plan({}, {.sticks_per_frame = 3, .frames_per_volume = 3});
@@ -180,8 +180,8 @@ TEST(IqSamples, PhaseIsThatOfTheTwoWayPath) {
 }
 
 TEST(IqSamples, GeometryHasNone) {
-  const auto plan = small_plan();
-  const ProbeSimulator simulator(placed_sphere(plan), plan, options_of(Rung::geometry));
+  const auto plan = iq_plan();
+  const ProbeSimulator simulator(placed_sphere(plan), plan, iq_options(Rung::geometry));
   EXPECT_THROW(simulator.volume(0, [](const auto&, auto) {}), std::logic_error);
 }
 

@@ -19,17 +19,17 @@ namespace wobblebench::sim {
 namespace {
 
 constexpr double kRadius_m = 20e-3;
-constexpr double kSpacing_m = 0.1e-3;
-constexpr int kSamples = 1000;
+constexpr double kPowerSpacing_m = 0.1e-3;
+constexpr int kPowerSamples = 1000;
 const glm::dvec3 kCenter{0, 0, 0.11};
 
-const hw::AcquisitionPlan& plan() {
+const hw::AcquisitionPlan& power_plan() {
   static const hw::AcquisitionPlan default_plan({}, {});
   return default_plan;
 }
 
 const ProbeOptics& optics() {
-  static const ProbeOptics shared(plan());
+  static const ProbeOptics shared(power_plan());
   return shared;
 }
 
@@ -51,7 +51,7 @@ struct Scanned {
 
 Scanned sphere() {
   auto phantom = phantoms::make_phantom({.name = "sphere", .radius_m = kRadius_m});
-  const double reach_m = MeanPower::reach_m(plan());
+  const double reach_m = MeanPower::reach_m(power_plan());
   ScannedTissue tissue{std::make_shared<const TissueMap>(phantom, reach_m, 0),
                        phantom.materials(),
                        {glm::dmat3(1.0), kCenter},
@@ -63,13 +63,13 @@ std::vector<float> power_of(const Scanned& scanned,
                             const hw::Ray& stick,
                             const SimulationOptions& options) {
   StickTrack track;
-  follow(scanned.tissue, {stick, 0}, kSamples * kSpacing_m, track);
+  follow(scanned.tissue, {stick, 0}, kPowerSamples * kPowerSpacing_m, track);
   const auto& materials = scanned.tissue.materials;
-  StickLosses losses(plan(), options, materials, kSpacing_m, kSamples);
+  StickLosses losses(power_plan(), options, materials, kPowerSpacing_m, kPowerSamples);
   losses.compute(track);
   MeanPower power(
-      optics(), options, materials, kSpacing_m, kSamples, scanned.tissue.map->reach_m());
-  std::vector<float> result(kSamples);
+      optics(), options, materials, kPowerSpacing_m, kPowerSamples, scanned.tissue.map->reach_m());
+  std::vector<float> result(kPowerSamples);
   power.compute(track, losses, stick_angle_rad(stick), result);
   return result;
 }
@@ -85,7 +85,7 @@ double share_inside(const hw::Ray& stick, double range_m) {
   const double lateral = sigma_of_fwhm(optics().profile().lateral_fwhm_m(range_m)) / std::sqrt(2.0);
   const double elevation =
       sigma_of_fwhm(optics().profile().elevation_fwhm_m(range_m)) / std::sqrt(2.0);
-  const double axial = sigma_of_fwhm(axial_fwhm_m(plan())) / std::sqrt(2.0);
+  const double axial = sigma_of_fwhm(axial_fwhm_m(power_plan())) / std::sqrt(2.0);
   double inside = 0, all = 0;
   constexpr int kHalf = 12;
   for (int i = -kHalf; i <= kHalf; ++i) {
@@ -112,10 +112,10 @@ TEST(MeanPower, BlursASphereAsTheBeamDoes) {
   // From normal incidence to sticks whose axis misses the sphere.
   for (double theta : {0.0, 0.06, 0.12, 0.16, 0.18, 0.19, 0.2}) {
     for (double phi : {0.0, 0.1}) {
-      const hw::Ray stick = plan().geometry().stick(theta, phi);
+      const hw::Ray stick = power_plan().geometry().stick(theta, phi);
       const auto power = power_of(scanned, stick, tissue_alone());
       for (int i = 420; i < 760; i += 10) {
-        const double range_m = (i + 0.5) * kSpacing_m;
+        const double range_m = (i + 0.5) * kPowerSpacing_m;
         const double found =
             static_cast<double>(power[static_cast<std::size_t>(i)]) / tissue_power();
         const auto [low, high] = std::minmax(
@@ -131,8 +131,8 @@ TEST(MeanPower, RoughSurfaceHasTheEchoOfItsReflection) {
   Scanned scanned = sphere();
   auto options = tissue_alone();
   options.interface_echo = true;
-  const auto power = power_of(scanned, plan().geometry().stick(0, 0), options);
-  const auto without = power_of(scanned, plan().geometry().stick(0, 0), tissue_alone());
+  const auto power = power_of(scanned, power_plan().geometry().stick(0, 0), options);
+  const auto without = power_of(scanned, power_plan().geometry().stick(0, 0), tissue_alone());
   double peak = 0;
   for (int i = 450; i < 550; ++i) {
     const auto s = static_cast<std::size_t>(i);
@@ -141,7 +141,7 @@ TEST(MeanPower, RoughSurfaceHasTheEchoOfItsReflection) {
   const double echo =
       diffuse_echo(phantoms::material("amniotic_fluid"), phantoms::material("soft_tissue"), 1);
   // The surface lies half a sample from the nearest one.
-  const double off = kSpacing_m / 2 / sigma_of_fwhm(axial_fwhm_m(plan()));
+  const double off = kPowerSpacing_m / 2 / sigma_of_fwhm(axial_fwhm_m(power_plan()));
   EXPECT_NEAR(std::sqrt(peak) / echo, std::exp(-0.5 * off * off), 0.01);
 }
 
@@ -160,27 +160,28 @@ Scanned shell(double wall_m) {
                             outer.region_of_interest(),
                             outer.suggested_position_m(),
                             std::move(grids));
-  ScannedTissue tissue{std::make_shared<const TissueMap>(phantom, MeanPower::reach_m(plan()), 0),
-                       phantom.materials(),
-                       {glm::dmat3(1.0), kCenter},
-                       {}};
+  ScannedTissue tissue{
+      std::make_shared<const TissueMap>(phantom, MeanPower::reach_m(power_plan()), 0),
+      phantom.materials(),
+      {glm::dmat3(1.0), kCenter},
+      {}};
   return {std::move(phantom), std::move(tissue)};
 }
 
 TEST(MeanPower, PaintsSurfacesInTheirOrder) {
   constexpr double kWall_m = 0.6e-3;
-  const auto power = power_of(shell(kWall_m), plan().geometry().stick(0, 0), tissue_alone());
+  const auto power = power_of(shell(kWall_m), power_plan().geometry().stick(0, 0), tissue_alone());
   const auto power_in = [](const char* name) {
     return std::pow(10, phantoms::material(name).backscatter_db / 10);
   };
-  const double pulse_m = sigma_of_fwhm(axial_fwhm_m(plan())) / std::sqrt(2.0);
+  const double pulse_m = sigma_of_fwhm(axial_fwhm_m(power_plan())) / std::sqrt(2.0);
   const auto outside = [&](double range_m, double surface_m) {
     return 0.5 * (1 + std::erf((surface_m - range_m) / pulse_m / std::sqrt(2.0)));
   };
-  const double wall_m = kCenter.z - plan().probe().radius_m - kRadius_m;
+  const double wall_m = kCenter.z - power_plan().probe().radius_m - kRadius_m;
   double most = 0;
   for (int i = 480; i < 560; ++i) {
-    const double range_m = (i + 0.5) * kSpacing_m;
+    const double range_m = (i + 0.5) * kPowerSpacing_m;
     // A later surface hides the ones before it within its blur.
     const double wall = power_in("soft_tissue") * (1 - outside(range_m, wall_m));
     const double behind = outside(range_m, wall_m + kWall_m);
@@ -198,10 +199,10 @@ StickTrack patchwork(std::mt19937& generator) {
   std::uniform_int_distribution<phantoms::MaterialIndex> material(
       0, static_cast<phantoms::MaterialIndex>(phantoms::material_table().size()) - 1);
   StickTrack track;
-  track.stretches = {{0, kSamples * kSpacing_m, 0}};
-  for (int first = 0; first < kSamples;) {
-    const int next = std::min(first + length(generator), kSamples);
-    TrackPiece piece{first * kSpacing_m, next * kSpacing_m, material(generator)};
+  track.stretches = {{0, kPowerSamples * kPowerSpacing_m, 0}};
+  for (int first = 0; first < kPowerSamples;) {
+    const int next = std::min(first + length(generator), kPowerSamples);
+    TrackPiece piece{first * kPowerSpacing_m, next * kPowerSpacing_m, material(generator)};
     if (kind(generator) > 0) {
       piece.first_layer = static_cast<int>(track.layers.size());
       piece.layers = kind(generator);
@@ -238,10 +239,10 @@ double power_of(const StickTrack& track, const TrackPiece& piece) {
 /// Vectorised loops process several pieces at once, and write past their ends.
 TEST(MeanPower, EachPieceEchoesAsItsTissue) {
   const auto& materials = phantoms::material_table();
-  StickLosses losses(plan(), tissue_alone(), materials, kSpacing_m, kSamples);
-  MeanPower beam(optics(), tissue_alone(), materials, kSpacing_m, kSamples, 4e-3);
+  StickLosses losses(power_plan(), tissue_alone(), materials, kPowerSpacing_m, kPowerSamples);
+  MeanPower beam(optics(), tissue_alone(), materials, kPowerSpacing_m, kPowerSamples, 4e-3);
   std::mt19937 generator(13);
-  std::vector<float> found(kSamples);
+  std::vector<float> found(kPowerSamples);
   for (int run = 0; run < 200; ++run) {
     const StickTrack track = patchwork(generator);
     losses.compute(track);
@@ -259,7 +260,7 @@ TEST(MeanPower, EachPieceEchoesAsItsTissue) {
 
 /// A plane 50 mm from the face, of material 1 behind material 0.
 StickTrack inclined_plane(double angle_rad) {
-  constexpr double kPlane_m = 50e-3, kHalf_m = 8e-3, kDepth_m = kSamples * kSpacing_m;
+  constexpr double kPlane_m = 50e-3, kHalf_m = 8e-3, kDepth_m = kPowerSamples * kPowerSpacing_m;
   constexpr int kNodes = 65;
   StickTrack track;
   track.stretches = {{0, kPlane_m, 0}, {kPlane_m, kDepth_m, 1}};
@@ -289,17 +290,17 @@ TEST(MeanPower, RoughSurfaceKeepsItsEnergyAtEveryAngle) {
   displayed = hidden;
   displayed.noise_db = -95;
   for (const auto& options : {hidden, displayed}) {
-    StickLosses losses(plan(), options, materials, kSpacing_m, kSamples);
-    MeanPower beam(optics(), options, materials, kSpacing_m, kSamples, 4e-3);
+    StickLosses losses(power_plan(), options, materials, kPowerSpacing_m, kPowerSamples);
+    MeanPower beam(optics(), options, materials, kPowerSpacing_m, kPowerSamples, 4e-3);
     for (const double angle_deg : {20.0, 24.0, 26.0, 28.0, 30.0, 40.0, 60.0}) {
       const StickTrack track = inclined_plane(angle_deg * kDegree);
-      std::vector<float> power(kSamples);
+      std::vector<float> power(kPowerSamples);
       losses.compute(track);
       beam.compute(track, losses, 0, power);
       double energy = 0;
-      for (const float each : power) energy += static_cast<double>(each) * kSpacing_m;
+      for (const float each : power) energy += static_cast<double>(each) * kPowerSpacing_m;
       const double mean = diffuse_echo(materials[0], materials[1], std::cos(angle_deg * kDegree));
-      const double pulse_m = sigma_of_fwhm(axial_fwhm_m(plan())) / std::sqrt(2.0);
+      const double pulse_m = sigma_of_fwhm(axial_fwhm_m(power_plan())) / std::sqrt(2.0);
       const double expected = mean * mean * pulse_m * std::sqrt(2 * kPi);
       EXPECT_NEAR(10 * std::log10(energy / expected), 0, 0.1) << angle_deg;
     }
@@ -308,7 +309,7 @@ TEST(MeanPower, RoughSurfaceKeepsItsEnergyAtEveryAngle) {
 
 TEST(MeanPower, FluidIsAnechoic) {
   const Scanned scanned = sphere();
-  for (float value : power_of(scanned, plan().geometry().stick(0.5, 0.4), tissue_alone())) {
+  for (float value : power_of(scanned, power_plan().geometry().stick(0.5, 0.4), tissue_alone())) {
     ASSERT_EQ(value, 0.0f);
   }
 }

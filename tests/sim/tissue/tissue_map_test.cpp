@@ -19,11 +19,11 @@
 namespace wobblebench::sim {
 namespace {
 
-constexpr double kRadius_m = 20e-3;
+constexpr double kBallRadius_m = 20e-3;
 
 const phantoms::Phantom& sphere() {
   static const phantoms::Phantom phantom =
-      phantoms::make_phantom({.name = "sphere", .radius_m = kRadius_m});
+      phantoms::make_phantom({.name = "sphere", .radius_m = kBallRadius_m});
   return phantom;
 }
 
@@ -45,7 +45,7 @@ TEST_P(TissueMapReach, HoldsDistancesWithinIt) {
   std::uniform_real_distribution<double> coordinate(-30e-3, 30e-3);
   for (int i = 0; i < 20000; ++i) {
     const glm::dvec3 position(coordinate(generator), coordinate(generator), coordinate(generator));
-    const double expected = glm::length(position) - kRadius_m;
+    const double expected = glm::length(position) - kBallRadius_m;
     const auto found = distance_at(map, position);
     if (std::abs(expected) > reach_m) continue;
     ASSERT_TRUE(found) << expected;
@@ -95,7 +95,7 @@ TEST(TissueMap, MaterialIsThatOfTheSurfacesSide) {
   std::uniform_real_distribution<double> coordinate(-60e-3, 60e-3);
   for (int i = 0; i < 20000; ++i) {
     const glm::dvec3 position(coordinate(generator), coordinate(generator), coordinate(generator));
-    const double distance = glm::length(position) - kRadius_m;
+    const double distance = glm::length(position) - kBallRadius_m;
     if (std::abs(distance) < 0.01e-3) continue;
     EXPECT_EQ(map.material(position),
               distance < 0 ? sphere().surfaces()[0].inside : sphere().background());
@@ -176,7 +176,7 @@ TEST(TissueMap, NormalsPointOutwards) {
   for (int i = 0; i < 5000; ++i) {
     const glm::dvec3 radial =
         glm::normalize(glm::dvec3(any(generator), any(generator), any(generator)));
-    const glm::dvec3 normal = map.normal(0, (kRadius_m + off(generator)) * radial);
+    const glm::dvec3 normal = map.normal(0, (kBallRadius_m + off(generator)) * radial);
     // The angle between them, to first order.
     EXPECT_LT(glm::length(normal - radial), 0.0005);
   }

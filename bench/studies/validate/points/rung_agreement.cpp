@@ -17,8 +17,8 @@ namespace wobblebench::bench {
 
 namespace {
 
-constexpr double kDepth_m = 0.16;
-constexpr int kSamples = 4096;  // IQ samples then need no oversampling
+constexpr double kScanDepth_m = 0.16;
+constexpr int kScanSamples = 4096;  // IQ samples then need no oversampling
 
 /// Points of a stick in the probe frame, with the amplitudes that the rungs take.
 std::vector<sim::PointEcho> points_of(const EchoPlace& place, const hw::Ray& stick) {
@@ -48,7 +48,7 @@ double at_range(const std::vector<double>& envelope, double spacing_m, double ra
 std::vector<EchoAgreement> measure_agreement(const PointRung& rung,
                                              std::span<const EchoPlace> places) {
   const hw::AcquisitionPlan plan(
-      {}, {.depth_m = kDepth_m, .samples_per_stick = kSamples, .frames_per_volume = 1});
+      {}, {.depth_m = kScanDepth_m, .samples_per_stick = kScanSamples, .frames_per_volume = 1});
   const double edge_rad = 0.5 * plan.acquisition().sector_rad;
   const PointEchoes echoes(rung.rung, plan, rung.side_lobes);
   std::vector<EchoAgreement> results(places.size());
@@ -73,17 +73,17 @@ std::vector<EchoAgreement> measure_agreement(const PointRung& rung,
 
 namespace {
 
-constexpr double kFrom_m = 30e-3;
+constexpr double kEchoesFrom_m = 30e-3;
 constexpr double kLeast = 0.95, kLeastReference = 0.99;
-constexpr double kLevelBar_db = 0.5;
+constexpr double kEchoLevelBar_db = 0.5;
 
-struct Variant {
+struct Comparison {
   const char* name;
   PointRung rung;
   std::vector<EchoPlace> (*places)();
   bool checked;
 };
-constexpr Variant kVariants[] = {
+constexpr Comparison kComparisons[] = {
     {"main_lobe", {sim::Rung::scatterers, false}, main_lobe_places, true},
     {"main_lobe_hears_all", {sim::Rung::scatterers, false}, echo_places, false},
     {"side_lobes", {sim::Rung::scatterers, true}, echo_places, true},
@@ -125,13 +125,13 @@ RangeLevel farthest_level(const std::vector<EchoAgreement>& places) {
   return farthest;
 }
 
-void add_checks(const Variant& variant,
+void add_checks(const Comparison& variant,
                 const std::vector<EchoAgreement>& found,
                 bool axis,
                 StudyReport& report) {
   std::vector<EchoAgreement> here;
   std::ranges::copy_if(found, std::back_inserter(here), [&](const EchoAgreement& one) {
-    return (one.sector_fraction == 0) == axis && one.range_m > kFrom_m - 1e-6;
+    return (one.sector_fraction == 0) == axis && one.range_m > kEchoesFrom_m - 1e-6;
   });
   const auto lowest = std::ranges::min_element(here, {}, &EchoAgreement::correlation);
   const RangeLevel farthest = farthest_level(here);
@@ -143,7 +143,7 @@ void add_checks(const Variant& variant,
       .from(place_text(*lowest))
       .over(n, "places");
   report.check(name + ".level")
-      .at_most(std::abs(farthest.level_db), kLevelBar_db, "dB")
+      .at_most(std::abs(farthest.level_db), kEchoLevelBar_db, "dB")
       .from("all places of a range, worst at " + mm_text(farthest.range_m))
       .over(n, "places");
 }
@@ -159,7 +159,7 @@ Table empty_table(const std::vector<EchoPlace>& places) {
   return table;
 }
 
-void add_rows(const Variant& variant, const std::vector<EchoAgreement>& found, Table& table) {
+void add_rows(const Comparison& variant, const std::vector<EchoAgreement>& found, Table& table) {
   for (std::size_t i = 0; i < found.size(); ++i) {
     if (i == 0 || found[i].sector_fraction != found[i - 1].sector_fraction) {
       table.rows.push_back({variant.name, found[i].sector_fraction});
@@ -173,7 +173,7 @@ void add_rows(const Variant& variant, const std::vector<EchoAgreement>& found, T
   for (auto& row : table.rows) row.resize(table.columns.size());
 }
 
-void add_points(const Variant& variant,
+void add_points(const Comparison& variant,
                 const std::vector<EchoAgreement>& found,
                 StudyReport& report) {
   for (const EchoAgreement& one : found) {
@@ -208,7 +208,7 @@ StudyReport rung_agreement_report() {
           "brackets, level in dB, by part of the half sector and depth.";
   report.text = text.str();
   report.tables = {empty_table(places)};
-  for (const Variant& variant : kVariants) {
+  for (const Comparison& variant : kComparisons) {
     const auto found = measure_agreement(variant.rung, variant.places());
     if (variant.checked) {
       add_checks(variant, found, true, report);

@@ -15,7 +15,7 @@ namespace wobblebench::bench {
 
 namespace {
 
-constexpr double kDepth_m = 0.165;
+constexpr double kSizeDepth_m = 0.165;
 constexpr int kSamples = 1500;  // IQ samples then need no oversampling
 /// Towards the end of the array speckle doubles within some degrees.
 constexpr double kAboutStick_rad = 0.3 * kDegree;
@@ -33,13 +33,13 @@ struct DenseGrid {
 };
 const DenseGrid kDenseGrids[] = {
     {&BeamRow::lateral_m,
-     {0, 21, 0.25 * kDegree, 96, 0.85 * kDegree, kDepth_m, kSamples},
+     {0, 21, 0.25 * kDegree, 96, 0.85 * kDegree, kSizeDepth_m, kSamples},
      {0, 1, 0},
      kAboutStick_rad},
     {&BeamRow::elevation_m,
-     {0, 2, 2.4 * kDegree, 320, 0.19 * kDegree, kDepth_m, kSamples},
+     {0, 2, 2.4 * kDegree, 320, 0.19 * kDegree, kSizeDepth_m, kSamples},
      {1, 0, 0}},
-    {&BeamRow::axial_m, {0, 3, 1.2 * kDegree, 48, 1.7 * kDegree, kDepth_m, 4096}, {0, 0, 1}}};
+    {&BeamRow::axial_m, {0, 3, 1.2 * kDegree, 48, 1.7 * kDegree, kSizeDepth_m, 4096}, {0, 0, 1}}};
 
 /// Distance between neighbours in the dense direction.
 double step_m(const DenseGrid& dense, const hw::ProbeGeometry& geometry, const BeamRow& place) {
@@ -177,9 +177,9 @@ std::vector<NeighbourRow> measure_neighbours(sim::Rung rung,
 
 namespace {
 
-constexpr double kFrom_m = 20e-3, kTo_m = 150e-3;
+constexpr double kSizeFrom_m = 20e-3, kSizeTo_m = 150e-3;
 constexpr double kWidthBar = 10;  // percent
-constexpr double kLevelBar_db = 0.5;
+constexpr double kSizeLevelBar_db = 0.5;
 constexpr double kErrorBar = 3;  // percent
 constexpr double kNeighbourBar = 0.05;
 
@@ -192,7 +192,7 @@ void add_places(const std::string& name,
                 StudyReport& report) {
   const CheckedOver over{"places", seeds};
   const std::string where = places == StickPlaces::axis ? ".axis" : ".edge";
-  const auto here = at_places(size.places, places, kFrom_m, kTo_m);
+  const auto here = at_places(size.places, places, kSizeFrom_m, kSizeTo_m);
   for (const BeamWidth& width : {kLateral, kElevation, kAxial}) {
     const Check check = worst_width(name + "." + width.name + where, here, width, kWidthBar, over);
     if (widths_checked) {
@@ -201,7 +201,7 @@ void add_places(const std::string& name,
       report.tables.front().add({Cell::code(check.name), check.measured, check.source});
     }
   }
-  report.checks.push_back(worst_level(name + ".level" + where, here, kLevelBar_db, over));
+  report.checks.push_back(worst_level(name + ".level" + where, here, kSizeLevelBar_db, over));
 }
 
 /// The worst depth of one correlation.

@@ -21,16 +21,16 @@ struct DrawnResult {
 };
 
 DrawnResult oracle_on_drawn(const EdgeSignal& signal, double first_m, int samples) {
-  constexpr double kEdge_m = 0.03e-3;
+  constexpr double kOracleEdge_m = 0.03e-3;
   constexpr int kDraws = 1500;
-  const auto at = edge_covariance(signal, kEdge_m, first_m, samples);
+  const auto at = edge_covariance(signal, kOracleEdge_m, first_m, samples);
   const double bound_m = 1 / std::sqrt(covariance_information(at.value, at.derivative));
-  const SearchGrid search{kEdge_m - 20 * bound_m, 0.5 * bound_m, 81};
+  const SearchGrid search{kOracleEdge_m - 20 * bound_m, 0.5 * bound_m, 81};
   const auto found = most_likely_edges_m(
       [&](double) { return signal; }, first_m, drawn_sticks(at.value, kDraws, 11), search);
   DrawnResult result;
   for (const double edge_m : found) {
-    const double error = (edge_m - kEdge_m) / bound_m;
+    const double error = (edge_m - kOracleEdge_m) / bound_m;
     result.ratio += error * error / kDraws;
     result.bias += error / kDraws;
   }

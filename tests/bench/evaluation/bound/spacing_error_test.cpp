@@ -26,7 +26,7 @@ render::View view_of(double yaw_rad = 0) {
   return render::make_view(options);
 }
 
-bool all(int /*column*/, int /*row*/) {
+bool holds_everywhere(int /*column*/, int /*row*/) {
   return true;
 }
 

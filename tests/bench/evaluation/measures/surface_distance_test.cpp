@@ -10,7 +10,7 @@
 namespace wobblebench::bench {
 namespace {
 
-constexpr int kSize = 20;  // pixels of 5 mm
+constexpr int kSide = 20;  // pixels of 5 mm
 
 TEST(TriangleDistance, ToFaceEdgeAndCorner) {
   const glm::dvec3 a(0, 0, 0), b(1, 0, 0), c(0, 1, 0);
@@ -21,10 +21,10 @@ TEST(TriangleDistance, ToFaceEdgeAndCorner) {
 }
 
 TEST(SurfaceDistance, OfAShiftedPlaneIsTheShift) {
-  const render::Camera camera = camera_of(kSize, render::Projection::parallel);
-  const SurfaceDistance d = surface_distance({kSize, kSize, 0.102f}, flat_truth(kSize), camera);
-  EXPECT_EQ(d.found_to_true.n, kSize * kSize);
-  EXPECT_EQ(d.true_to_found.n, kSize * kSize);
+  const render::Camera camera = camera_of(kSide, render::Projection::parallel);
+  const SurfaceDistance d = surface_distance({kSide, kSide, 0.102f}, flat_truth(kSide), camera);
+  EXPECT_EQ(d.found_to_true.n, kSide * kSide);
+  EXPECT_EQ(d.true_to_found.n, kSide * kSide);
   for (const double distance_m :
        {d.mean_m, d.p95_m, d.hausdorff95_m, d.found_to_true.max_m, d.true_to_found.mean_m}) {
     EXPECT_NEAR(distance_m, 2e-3, 1e-8);
@@ -72,10 +72,10 @@ TEST(SurfaceDistance, BetweenConcentricBallsIsTheDifferenceOfTheirRadii) {
 /// A strip of two of the 20 columns is found 20 mm too deep. From there to the true surface: 20 mm,
 /// a tenth of all. From the true strip to what is found: one or two pixels of 5 mm aside.
 TEST(SurfaceDistance, Hausdorff95OfTwoKnownSets) {
-  const render::Camera camera = camera_of(kSize, render::Projection::parallel);
-  Image<float> found(kSize, kSize, 0.1f);
-  for (int row = 0; row < kSize; ++row) found.at(0, row) = found.at(1, row) = 0.12f;
-  const SurfaceDistance d = surface_distance(found, flat_truth(kSize), camera);
+  const render::Camera camera = camera_of(kSide, render::Projection::parallel);
+  Image<float> found(kSide, kSide, 0.1f);
+  for (int row = 0; row < kSide; ++row) found.at(0, row) = found.at(1, row) = 0.12f;
+  const SurfaceDistance d = surface_distance(found, flat_truth(kSide), camera);
   EXPECT_NEAR(d.found_to_true.p95_m, 20e-3, 1e-8);
   EXPECT_NEAR(d.found_to_true.mean_m, 2e-3, 1e-8);
   // Between the last of the points 5 mm away, index 379 of 400, and the first 10 mm away.
@@ -87,8 +87,8 @@ TEST(SurfaceDistance, Hausdorff95OfTwoKnownSets) {
 }
 
 TEST(SurfaceDistance, IsUnsetWhereNothingIsFoundOrThere) {
-  const render::Camera camera = camera_of(kSize, render::Projection::parallel);
-  const SurfaceDistance d = surface_distance({kSize, kSize, kNoSurface}, flat_truth(kSize), camera);
+  const render::Camera camera = camera_of(kSide, render::Projection::parallel);
+  const SurfaceDistance d = surface_distance({kSide, kSide, kNoSurface}, flat_truth(kSide), camera);
   EXPECT_EQ(d.found_to_true.n, 0);
   EXPECT_TRUE(std::isnan(d.hausdorff95_m));
   EXPECT_TRUE(std::isnan(d.mean_m));

@@ -24,12 +24,12 @@ std::vector<double> rayleigh(std::uint64_t trial, int n) {
 }
 
 TEST(RayleighDistance, RejectsOneInAHundredOfTrueOnes) {
-  constexpr int kTrials = 3000, kSamples = 400;
+  constexpr int kTrials = 3000, kStickSamples = 400;
   int rejected = 0;
   for (int trial = 0; trial < kTrials; ++trial) {
     const double distance =
-        rayleigh_distance(rayleigh(static_cast<std::uint64_t>(trial) + 1, kSamples));
-    rejected += distance > rayleigh_critical_distance(kSamples);
+        rayleigh_distance(rayleigh(static_cast<std::uint64_t>(trial) + 1, kStickSamples));
+    rejected += distance > rayleigh_critical_distance(kStickSamples);
   }
   // Binomial: 30 +- 5.4.
   EXPECT_GT(rejected, 30 - 17);

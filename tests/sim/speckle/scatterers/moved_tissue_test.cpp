@@ -21,7 +21,7 @@ using Stick = std::vector<std::complex<float>>;
 constexpr int kMoved = 8;  ///< samples: tests/yardstick/moved.csv
 
 /// Few sticks about the axis.
-const hw::AcquisitionPlan& plan() {
+const hw::AcquisitionPlan& moved_plan() {
   static const hw::AcquisitionPlan shared({},
                                           {.depth_m = 0.09,
                                            .sector_rad = 4 * kDegree,
@@ -43,26 +43,27 @@ Stick scanned(double moved_m, bool all_octaves, std::uint64_t seed) {
   ScattererSettings settings;
   settings.all_octaves = all_octaves;
   const ScannedTissue tissue{map, phantom.materials(), {glm::dmat3(1.0), position_m}, {}};
-  const ScattererField field(tissue, ProbeOptics(plan()), options, settings);
-  const int rate = iq_oversampling(plan());
+  const ScattererField field(tissue, ProbeOptics(moved_plan()), options, settings);
+  const int rate = iq_oversampling(moved_plan());
   Stick iq(static_cast<std::size_t>(512 * rate));
   const std::vector<float> remaining(iq.size(), 1.0f);
-  field.add_echoes({stick_ray(plan(), {0, 1, 1}), plan().sample_spacing_m() / rate, remaining, {}},
-                   iq);
+  field.add_echoes(
+      {stick_ray(moved_plan(), {0, 1, 1}), moved_plan().sample_spacing_m() / rate, remaining, {}},
+      iq);
   return iq;
 }
 
 /// Squared correlation of echoes from 44 to 84 mm, before and after.
 double followed(bool all_octaves) {
-  const auto rate = static_cast<std::size_t>(iq_oversampling(plan()));
+  const auto rate = static_cast<std::size_t>(iq_oversampling(moved_plan()));
   const auto sample = [&](double range_m) {
-    return rate * static_cast<std::size_t>(range_m / plan().sample_spacing_m());
+    return rate * static_cast<std::size_t>(range_m / moved_plan().sample_spacing_m());
   };
   std::complex<double> product = 0;
   double before = 0, after = 0;
   for (const std::uint64_t seed : {1, 2, 3}) {
     const Stick still = scanned(0, all_octaves, seed);
-    const Stick moved = scanned(kMoved * plan().sample_spacing_m(), all_octaves, seed);
+    const Stick moved = scanned(kMoved * moved_plan().sample_spacing_m(), all_octaves, seed);
     for (std::size_t i = sample(44e-3); i < sample(84e-3); ++i) {
       const std::complex<double> a(still[i]), b(moved[i + kMoved * rate]);
       product += a * std::conj(b);

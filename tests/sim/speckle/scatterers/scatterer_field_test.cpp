@@ -22,7 +22,7 @@ namespace {
 using Stick = std::vector<std::complex<float>>;
 
 /// Sticks so far apart that they share no scatterers.
-const hw::AcquisitionPlan& plan() {
+const hw::AcquisitionPlan& field_plan() {
   static const hw::AcquisitionPlan shared(
       {},
       {.depth_m = 0.15, .fan_rad = 100 * kDegree, .sticks_per_frame = 16, .frames_per_volume = 16});
@@ -58,7 +58,7 @@ struct Grid {
   std::vector<float> remaining;
 
   Grid() {
-    const auto field = make_iq_field(plan());
+    const auto field = make_iq_field(field_plan());
     samples = field.samples;
     spacing_m = field.spacing_m;
     remaining.assign(static_cast<std::size_t>(samples), 1.0f);
@@ -71,7 +71,7 @@ const Grid& grid() {
 }
 
 StickPath path_of(const hw::StickIndex& index) {
-  return {stick_ray(plan(), index), grid().spacing_m, grid().remaining, {}};
+  return {stick_ray(field_plan(), index), grid().spacing_m, grid().remaining, {}};
 }
 
 Stick echoes(const ScattererField& field, const hw::StickIndex& index) {
@@ -145,10 +145,11 @@ TEST(ScattererCells, OffsetsFillTheCell) {
 TEST(Scatterers, EchoesAreThoseOfTheScatterersNearby) {
   for (const char* name : {"speckle_block", "cyst", "sphere"}) {
     const auto tissue = tissue_of(name);
-    const ScattererField field(tissue, ProbeOptics(plan()), options_of());
+    const ScattererField field(tissue, ProbeOptics(field_plan()), options_of());
     for (const hw::StickIndex& index : {hw::StickIndex{0, 8, 8}, hw::StickIndex{0, 7, 6}}) {
       Stick point_echoes(grid().remaining.size());
-      const auto near = field.near(stick_ray(plan(), index), plan().acquisition().depth_m + 5e-3);
+      const auto near =
+          field.near(stick_ray(field_plan(), index), field_plan().acquisition().depth_m + 5e-3);
       ASSERT_GT(near.size(), 500u) << name;
       field.add_points(path_of(index), near, point_echoes);
       // Cells use the row of the beam's table at their centre, points that at their own position.
@@ -162,13 +163,13 @@ TEST(Scatterers, EchoesAreThoseOfTheScatterersNearby) {
 
 TEST(Scatterers, FluidHasNone) {
   const auto tissue = tissue_of("sphere");
-  const ScattererField field(tissue, ProbeOptics(plan()), options_of());
+  const ScattererField field(tissue, ProbeOptics(field_plan()), options_of());
   // The outermost stick passes the sphere by.
   std::uint64_t contributed = 0;
   Stick iq(grid().remaining.size());
   field.add_echoes(path_of({0, 0, 0}), iq, &contributed);
   EXPECT_EQ(contributed, 0u);
-  EXPECT_TRUE(field.near(stick_ray(plan(), {0, 0, 0}), 0.15).empty());
+  EXPECT_TRUE(field.near(stick_ray(field_plan(), {0, 0, 0}), 0.15).empty());
 }
 
 /// Mean intensity over all sticks of a few seeds about some ranges, over the material's.
@@ -180,7 +181,7 @@ std::vector<double> mean_power(bool all_octaves, const std::vector<double>& rang
   for (std::uint64_t seed = 1; seed <= 2; ++seed) {
     ScattererSettings model;
     model.all_octaves = all_octaves;
-    const ScattererField field(tissue, ProbeOptics(plan()), options_of(seed), model);
+    const ScattererField field(tissue, ProbeOptics(field_plan()), options_of(seed), model);
     for (std::uint32_t f = 3; f < 13; ++f) {
       for (std::uint32_t l = 3; l < 13; ++l) {
         const Stick iq = echoes(field, {0, f, l});
@@ -210,9 +211,9 @@ TEST(Scatterers, OctavesKeepTheMeanEcho) {
 
 TEST(Scatterers, AreTheSeedsOwn) {
   const auto tissue = tissue_of("speckle_block");
-  const ScattererField first(tissue, ProbeOptics(plan()), options_of(1)),
-      again(tissue, ProbeOptics(plan()), options_of(1)),
-      other(tissue, ProbeOptics(plan()), options_of(2));
+  const ScattererField first(tissue, ProbeOptics(field_plan()), options_of(1)),
+      again(tissue, ProbeOptics(field_plan()), options_of(1)),
+      other(tissue, ProbeOptics(field_plan()), options_of(2));
   const hw::StickIndex index{0, 8, 8};
   EXPECT_EQ(echoes(first, index), echoes(again, index));
   EXPECT_GT(difference(echoes(first, index), echoes(other, index)), 1);
@@ -223,9 +224,9 @@ TEST(Scatterers, GoWhereTheTissueGoes) {
   moving.velocity_m_s = {0.01, -0.02, 0.03};
   const auto still = tissue_of("speckle_block");
   const auto moved = tissue_of("speckle_block", {moving, {}});
-  const ScattererField here(still, ProbeOptics(plan()), options_of()),
-      there(moved, ProbeOptics(plan()), options_of());
-  TimedRay line = stick_ray(plan(), {0, 8, 8});
+  const ScattererField here(still, ProbeOptics(field_plan()), options_of()),
+      there(moved, ProbeOptics(field_plan()), options_of());
+  TimedRay line = stick_ray(field_plan(), {0, 8, 8});
   line.time_s = 0.1;
   // The same ray relative to the moved tissue.
   const glm::dvec3 shift_m(0.001, -0.002, 0.003);
