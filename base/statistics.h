@@ -1,10 +1,14 @@
 // Median, range, quantiles, root mean square and correlation of measurements.
 #pragma once
 
+#include <limits>
 #include <span>
 #include <vector>
 
 namespace wobblebench {
+
+/// What a statistic of no values is.
+inline constexpr double kUnset = std::numeric_limits<double>::quiet_NaN();
 
 /// Quantile of fraction q in [0, 1], linear between the two values in order about index q (n - 1):
 /// definition 7 of Hyndman and Fan, Am. Stat. 50, 361 (1996), the default of numpy and R. Every

@@ -202,7 +202,7 @@ std::vector<TestCase> test_cases(const ConformanceFindings& findings) {
   return cases;
 }
 
-struct Arguments {
+struct ConformanceArguments {
   SceneArguments scene;
   OutputArguments output;
   std::vector<std::string> boards = {"sim"};
@@ -220,7 +220,7 @@ std::string faulty_name(const BoardArguments& board, const std::string& faults) 
 }
 
 std::vector<PlannedStep> planned_steps(const std::vector<BoardArguments>& boards,
-                                       const Arguments& arguments) {
+                                       const ConformanceArguments& arguments) {
   std::vector<PlannedStep> steps;
   for (const BoardArguments& board : boards) {
     steps.push_back({opening(board), is_simulated(board) ? 10.0 : 0.1});
@@ -259,7 +259,7 @@ bool sends_the_scene(const BoardArguments& board) {
   return is_simulated(board) || board.link.value.ends_with("stand-in");
 }
 
-std::vector<BoardArguments> boards_of(const Arguments& arguments) {
+std::vector<BoardArguments> boards_of(const ConformanceArguments& arguments) {
   std::vector<BoardArguments> boards;
   for (const std::string& text : arguments.boards) {
     boards.push_back(parse_board(text));
@@ -275,7 +275,7 @@ std::vector<BoardArguments> boards_of(const Arguments& arguments) {
   return boards;
 }
 
-int check_boards(const Arguments& arguments) {
+int check_boards(const ConformanceArguments& arguments) {
   const Scene scene = load_scene(arguments.scene.file, arguments.scene.settings);
   const std::vector<BoardArguments> boards = boards_of(arguments);
   const auto work = [&](OutputFolder&, Progress& progress) {
@@ -301,7 +301,7 @@ int check_boards(const Arguments& arguments) {
 }  // namespace
 
 Command add_conformance_command(CLI::App& app) {
-  const auto arguments = std::make_shared<Arguments>();
+  const auto arguments = std::make_shared<ConformanceArguments>();
   CLI::App& command = add_subcommand(app, "conformance", "Check the board's contract on any board");
   add_scene_options(command, arguments->scene);
   add_output_options(command, arguments->output);

@@ -261,7 +261,7 @@ std::string inspection_summary(const std::filesystem::path& path,
   return text.str();
 }
 
-struct Arguments {
+struct InspectArguments {
   std::filesystem::path recording;
   std::filesystem::path geometry;  ///< of a file of another program
   std::filesystem::path salvage;   ///< where to copy what is undamaged; empty: nowhere
@@ -284,7 +284,7 @@ void salvage(const std::filesystem::path& from, const std::filesystem::path& to)
 }
 
 /// What a file of another program holds, as the recording that it is taken for.
-int inspect_foreign(const Arguments& arguments) {
+int inspect_foreign(const InspectArguments& arguments) {
   if (!arguments.salvage.empty()) {
     throw UserError("--salvage: acts with a recording; " + arguments.recording.string() +
                     " is a file of another program");
@@ -297,7 +297,7 @@ int inspect_foreign(const Arguments& arguments) {
   return kDone;
 }
 
-int inspect(const Arguments& arguments) {
+int inspect(const InspectArguments& arguments) {
   if (foreign_format(arguments.recording) != ForeignFormat::none) {
     return inspect_foreign(arguments);
   }
@@ -321,7 +321,7 @@ int inspect(const Arguments& arguments) {
 }  // namespace
 
 Command add_inspect_command(CLI::App& app) {
-  const auto arguments = std::make_shared<Arguments>();
+  const auto arguments = std::make_shared<InspectArguments>();
   CLI::App& command =
       add_subcommand(app, "inspect", "What a recording holds, and what is wrong with it");
   add_required_path(

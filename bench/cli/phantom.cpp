@@ -276,7 +276,7 @@ Table label_names_table(const phantoms::Phantom& phantom) {
   return table;
 }
 
-struct Arguments {
+struct PhantomArguments {
   SceneArguments scene;
   CacheArguments cache;
   OutputArguments output;
@@ -293,7 +293,7 @@ Scene placed_scene(const Scene& given, const phantoms::Phantom& phantom) {
   return placed;
 }
 
-int write_phantom(const Arguments& arguments) {
+int write_phantom(const PhantomArguments& arguments) {
   const Scene scene = load_scene(arguments.scene.file, arguments.scene.settings);
   return run_in_folder(
       arguments.output,
@@ -321,7 +321,7 @@ int write_phantom(const Arguments& arguments) {
 }  // namespace
 
 Command add_phantom_command(CLI::App& app) {
-  const auto arguments = std::make_shared<Arguments>();
+  const auto arguments = std::make_shared<PhantomArguments>();
   CLI::App& command = add_subcommand(app, "phantom", "Build a phantom and write it as phantom.vdb");
   add_scene_options(command, arguments->scene);
   add_cache_options(command, arguments->cache);

@@ -217,7 +217,7 @@ Document record_document(const RecordResult& result) {
   return document;
 }
 
-struct Arguments {
+struct RecordArguments {
   SceneArguments scene;
   CacheArguments cache;
   OutputArguments output;
@@ -261,7 +261,7 @@ hw::RecordingEnd run(hw::Recorder& recorder, RecordingSink& sink, int volumes, P
 hw::RecordingEnd record(hw::Recorder& recorder,
                         RecordingSink& sink,
                         IqFile* iq,
-                        const Arguments& arguments,
+                        const RecordArguments& arguments,
                         Progress& progress) {
   const hw::RecordingProgress& recorded = recorder.progress();
   try {
@@ -297,7 +297,7 @@ std::unique_ptr<hw::Link> make_simulated_link(const Scene& scene,
 /// What the files of the command have at least; 0: not known beforehand.
 std::uint64_t least_bytes(const BoardArguments& board,
                           const Scene& scene,
-                          const Arguments& arguments) {
+                          const RecordArguments& arguments) {
   if (!board.faults.faults.empty()) return 0;  // which may lose packets
   if (!is_simulated(board)) {
     const bool is_whole = board.link.link == "file" && board.link.settings.empty();
@@ -317,7 +317,7 @@ std::uint64_t least_bytes(const BoardArguments& board,
 /// Why the exit code is kFailed; empty: it is not.
 std::string failure_of(const RecordResult& result,
                        const std::string& loss,
-                       const Arguments& arguments) {
+                       const RecordArguments& arguments) {
   if (result.end == hw::RecordingEnd::lost) return "--board = " + arguments.board + ": " + loss;
   const hw::BoardAccount& account = result.progress.account;
   if (!arguments.fail_on_loss || account.lost.total() == 0) return "";
@@ -325,7 +325,7 @@ std::string failure_of(const RecordResult& result,
          std::to_string(account.emitted) + " sticks were lost";
 }
 
-Scene scene_of(const Arguments& arguments) {
+Scene scene_of(const RecordArguments& arguments) {
   Scene scene = load_scene(arguments.scene.file, arguments.scene.settings);
   if (arguments.volumes > 0 && !scene.given.contains("acquisition.volumes")) {
     scene.acquisition.volumes = arguments.volumes;
@@ -338,7 +338,7 @@ CommandResult record_to(OutputFolder& out,
                         std::unique_ptr<hw::Link> link,
                         const BoardArguments& board,
                         const Scene& scene,
-                        const Arguments& arguments,
+                        const RecordArguments& arguments,
                         Progress& progress) {
   warn_of_scan(scene, link == nullptr, progress);
   const fs::path partial = new_partial(out, arguments.replace, arguments.iq, progress);
@@ -382,7 +382,7 @@ CommandResult record_to(OutputFolder& out,
           .document = record_document(result)};
 }
 
-int record_board(const Arguments& arguments) {
+int record_board(const RecordArguments& arguments) {
   const Scene scene = scene_of(arguments);
   const BoardArguments board = parse_board(arguments.board);
   if (arguments.iq) refuse_iq(scene, board);
@@ -396,7 +396,7 @@ int record_board(const Arguments& arguments) {
 }  // namespace
 
 Command add_record_command(CLI::App& app) {
-  const auto arguments = std::make_shared<Arguments>();
+  const auto arguments = std::make_shared<RecordArguments>();
   CLI::App& command = add_subcommand(app, "record", "Write what a board sends to recording.wbst");
   add_scene_options(command, arguments->scene);
   add_cache_options(command, arguments->cache);

@@ -128,7 +128,7 @@ Document fault_simulation_document(const SeedRangeResult& all) {
   return document;
 }
 
-struct Arguments {
+struct RehearseArguments {
   OutputArguments output;
   int seeds = 1000;
   std::uint64_t first_seed = 1;
@@ -142,7 +142,7 @@ void print_trace(std::uint64_t first_seed, int seeds) {
   }
 }
 
-int simulate(const Arguments& arguments) {
+int simulate(const RehearseArguments& arguments) {
   return run_in_folder(arguments.output, {}, [&](OutputFolder&, Progress& progress) {
     if (arguments.trace) print_trace(arguments.first_seed, arguments.seeds);
     const SeedRangeResult all = progress.step("rehearse", [&](const PartDone& done) {
@@ -158,7 +158,7 @@ int simulate(const Arguments& arguments) {
 }  // namespace
 
 Command add_rehearse_command(CLI::App& app) {
-  const auto arguments = std::make_shared<Arguments>();
+  const auto arguments = std::make_shared<RehearseArguments>();
   CLI::App& command = add_subcommand(
       app, "rehearse", "Play probe, link, board and volumes under seeded faults on virtual time");
   add_output_options(command, arguments->output);

@@ -18,7 +18,7 @@ namespace wobblebench::bench {
 
 namespace {
 
-struct Arguments {
+struct StandInArguments {
   std::filesystem::path folder;  ///< where the node is mounted
   SceneArguments scene;
   CacheArguments cache;
@@ -43,7 +43,7 @@ class InterruptSignals {
   sigset_t signals_;
 };
 
-int emulate_card(const Arguments& arguments) {
+int emulate_card(const StandInArguments& arguments) {
   const Scene scene = load_scene(arguments.scene.file, arguments.scene.settings);
   const BoardArguments board = parse_board(arguments.board);
   if (!std::filesystem::is_directory(arguments.folder)) {
@@ -72,7 +72,7 @@ int emulate_card(const Arguments& arguments) {
 }  // namespace
 
 Command add_stand_in_command(CLI::App& app) {
-  const auto arguments = std::make_shared<Arguments>();
+  const auto arguments = std::make_shared<StandInArguments>();
   CLI::App& command = add_subcommand(
       app, "stand-in", "A node that behaves like the card's driver, until Ctrl-C (needs FUSE)");
   add_required_path(command, "FOLDER", arguments->folder, "Where xdma0_c2h_0 appears");

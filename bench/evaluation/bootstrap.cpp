@@ -3,7 +3,6 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <limits>
 #include <numeric>
 
 #include "base/hash.h"
@@ -24,7 +23,6 @@ double mean_of(const std::vector<double>& values) {
 
 BootstrapMean bootstrap_mean(std::vector<double> values) {
   std::erase_if(values, [](double value) { return !std::isfinite(value); });
-  constexpr double kUnset = std::numeric_limits<double>::quiet_NaN();
   BootstrapMean result{kUnset, kUnset, kUnset, static_cast<int>(values.size())};
   if (values.empty()) return result;
   result.mean = mean_of(values);

@@ -6,11 +6,12 @@
 #include <stdexcept>
 #include <string>
 
+#include "base/statistics.h"
+
 namespace wobblebench::bench {
 
 namespace {
 
-constexpr double kUnset = std::numeric_limits<double>::quiet_NaN();
 /// Both tails of the 95 % interval.
 constexpr double kUpper = 0.975;
 constexpr double kOneSided = 0.95;

@@ -35,7 +35,7 @@ namespace wobblebench::bench {
 
 namespace {
 
-struct Arguments {
+struct RunArguments {
   SceneArguments scene;
   CacheArguments cache;
   OutputArguments output;
@@ -51,7 +51,7 @@ struct Arguments {
 };
 
 /// What --tolerance asks for; nullopt: nothing.
-std::optional<ToleranceRequest> tolerance_request(const Arguments& arguments) {
+std::optional<ToleranceRequest> tolerance_request(const RunArguments& arguments) {
   if (arguments.tolerance.empty()) return std::nullopt;
   if (!is_simulated(parse_board(arguments.board))) {
     throw UserError("--tolerance: needs --board sim: settings are chosen on the simulated scene");
@@ -64,7 +64,7 @@ std::optional<ToleranceRequest> tolerance_request(const Arguments& arguments) {
   return request;
 }
 
-std::vector<PlannedStep> planned_steps(const Arguments& arguments) {
+std::vector<PlannedStep> planned_steps(const RunArguments& arguments) {
   return {{"choose", arguments.tolerance.empty() ? 0.0 : 400.0},
           {"phantom", 40},
           {"scene", 5},
@@ -93,7 +93,7 @@ std::optional<ToleranceChoice> choose_settings(std::optional<ToleranceRequest> r
 
 /// The scene with the settings that keep the tolerance.
 Scene with_choice(const Scene& given,
-                  const Arguments& arguments,
+                  const RunArguments& arguments,
                   const std::optional<ToleranceChoice>& choice) {
   if (!choice) return given;
   std::vector<std::string> settings = arguments.scene.settings;
@@ -149,7 +149,7 @@ std::vector<render::PassTime> counted_passes(const hw::PolarVolume& volume,
 }
 
 /// No true surface, no fit and no labels.
-void refuse_unknown(const Arguments& arguments, const ResolvedScene& scene) {
+void refuse_unknown(const RunArguments& arguments, const ResolvedScene& scene) {
   if (scene.subject()) return;
   for (const auto& [name, given] :
        {std::pair{"--register", arguments.register_surface}, {"--labels", arguments.labels}}) {
@@ -193,7 +193,7 @@ std::optional<Comparison> compare(const RunResult& result,
                                   const std::optional<render::Picture>& uncorrected,
                                   const ResolvedScene& scene,
                                   const sim::TissueMapSource& maps,
-                                  const Arguments& arguments,
+                                  const RunArguments& arguments,
                                   Progress& progress) {
   if (!scene.subject()) return std::nullopt;
   const std::uint32_t volume = result.acquisition.volume.volume_index();
@@ -247,7 +247,7 @@ std::uint64_t picture_bytes(const Scene& scene) {
 /// Why the exit code is kFailed; empty: it is not.
 std::string failure_of(const RunResult& result,
                        const std::optional<ToleranceResult>& tolerance,
-                       const Arguments& arguments) {
+                       const RunArguments& arguments) {
   if (!result.acquisition.ending.empty()) {
     return "--board = " + arguments.board + ": " + ending_text(result);
   }
@@ -277,7 +277,7 @@ void warn_of_samples(const RunResult& result,
   warn_of_times(result.acquisition.off_plan_s, scene.plan(), scene.moves(), progress);
 }
 
-int run(const Arguments& arguments) {
+int run(const RunArguments& arguments) {
   const auto limits = parse_limits(arguments.limits, timed_picture_names());
   define_renderers(arguments.renderers);
   const Scene given = load_scene(arguments.scene.file, arguments.scene.settings);
@@ -342,7 +342,7 @@ int run(const Arguments& arguments) {
 }  // namespace
 
 Command add_run_command(CLI::App& app) {
-  const auto arguments = std::make_shared<Arguments>();
+  const auto arguments = std::make_shared<RunArguments>();
   CLI::App& command =
       add_subcommand(app, "run", "Acquire, render, compare with the truth: images, depth, report");
   add_scene_options(command, arguments->scene);

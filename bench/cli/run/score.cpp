@@ -32,7 +32,7 @@ namespace wobblebench::bench {
 
 namespace {
 
-struct Arguments {
+struct ScoreArguments {
   const CLI::App* command = nullptr;
   SurfaceFileOptions surface;
   SceneArguments scene;
@@ -115,7 +115,7 @@ std::optional<double> positive_number(const std::string& option, const std::stri
   throw UserError(option + " = " + text + ": must be a number above 0");
 }
 
-SurfaceFileOptions surface_options(const Arguments& arguments) {
+SurfaceFileOptions surface_options(const ScoreArguments& arguments) {
   const auto given = [&](const char* option, const std::string& value) {
     return arguments.command->get_option(option)->count() > 0 ? value : std::string();
   };
@@ -154,7 +154,7 @@ PictureResult score_surface(const FoundSurface& found,
   return result;
 }
 
-std::string shown_file(const FoundSurface& found, const Arguments& arguments) {
+std::string shown_file(const FoundSurface& found, const ScoreArguments& arguments) {
   return std::string(to_string(found.kind)) + " " + arguments.surface.file.string() + " (" +
          found.format + ")";
 }
@@ -162,7 +162,7 @@ std::string shown_file(const FoundSurface& found, const Arguments& arguments) {
 std::string score_summary(const FoundSurface& found,
                           const PictureResult& result,
                           const ResolvedScene& scene,
-                          const Arguments& arguments) {
+                          const ScoreArguments& arguments) {
   std::string text = "scored      " + shown_file(found, arguments) + "\n";
   for (const auto& [what, as] : found.taken) text += "            " + what + ": " + as + "\n";
   const DepthError& raw = result.comparison->error.raw;
@@ -177,7 +177,7 @@ std::string score_summary(const FoundSurface& found,
          arguments.output.folder.string() + "\n";
 }
 
-Json scored_json(const FoundSurface& found, const Arguments& arguments) {
+Json scored_json(const FoundSurface& found, const ScoreArguments& arguments) {
   Json json = {{"file", arguments.surface.file.string()},
                {"what", to_string(found.kind)},
                {"format", found.format},
@@ -191,7 +191,7 @@ Json scored_json(const FoundSurface& found, const Arguments& arguments) {
 std::string score_report(const FoundSurface& found,
                          const PictureResult& result,
                          const ResolvedScene& scene,
-                         const Arguments& arguments,
+                         const ScoreArguments& arguments,
                          const Progress& progress) {
   Json report = report_head("score", provenance_of_this_machine(), scene.options());
   report["scored"] = scored_json(found, arguments);
@@ -202,7 +202,7 @@ std::string score_report(const FoundSurface& found,
   return report_text(report);
 }
 
-int score(const Arguments& arguments) {
+int score(const ScoreArguments& arguments) {
   const auto limits = parse_limits(arguments.limits, picture_measure_names());
   const SurfaceFileOptions options = surface_options(arguments);
   const ScoredScene scored = load_scored_scene(arguments.scene);
@@ -234,7 +234,7 @@ int score(const Arguments& arguments) {
   return run_in_folder(arguments.output, {}, work);
 }
 
-void add_surface_options(CLI::App& command, Arguments& arguments) {
+void add_surface_options(CLI::App& command, ScoreArguments& arguments) {
   add_choice(command,
              "--unit",
              arguments.unit,
@@ -273,7 +273,7 @@ void add_surface_options(CLI::App& command, Arguments& arguments) {
 }  // namespace
 
 Command add_score_command(CLI::App& app) {
-  const auto arguments = std::make_shared<Arguments>();
+  const auto arguments = std::make_shared<ScoreArguments>();
   CLI::App& command = add_subcommand(
       app, "score", "Another program's depth map, mesh or point cloud against a scene's truth");
   arguments->command = &command;

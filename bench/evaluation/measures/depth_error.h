@@ -1,7 +1,6 @@
 // Error of a depth image against the truth, pixel by pixel, and its statistics.
 #pragma once
 
-#include <limits>
 #include <vector>
 
 #include "base/image.h"
@@ -13,8 +12,6 @@ namespace wobblebench::bench {
 
 /// An error of another surface, which no quantile below it shows.
 inline constexpr double kOutlier_m = 10e-3;
-/// A measure of nothing.
-inline constexpr double kUnset = std::numeric_limits<double>::quiet_NaN();
 
 /// Signed error: measured minus true depth, positive where the measured surface is too deep.
 struct DepthStatistics {

@@ -8,6 +8,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "base/statistics.h"
 #include "render/reference/reference.h"
 
 namespace wobblebench::bench {

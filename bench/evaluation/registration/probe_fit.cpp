@@ -7,8 +7,8 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
+#include "base/statistics.h"
 #include "bench/evaluation/registration/uncertainty.h"
 
 namespace wobblebench::bench {
@@ -16,7 +16,6 @@ namespace wobblebench::bench {
 namespace {
 
 constexpr int kN = kRegistrationParameters;
-constexpr double kUnset = std::numeric_limits<double>::quiet_NaN();
 constexpr double kHuber = 2.0;
 /// Least standard deviation of the points that is believed: the voxels' and the picture's rounding.
 constexpr double kLeastSigma_m = 20e-6;

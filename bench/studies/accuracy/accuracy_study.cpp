@@ -1,12 +1,12 @@
 #include "bench/studies/accuracy/accuracy_study.h"
 
 #include <array>
-#include <limits>
 #include <map>
 #include <set>
 #include <string>
 #include <utility>
 
+#include "base/statistics.h"
 #include "base/user_error.h"
 #include "bench/evaluation/measures/regions.h"
 #include "bench/evaluation/truth/shadows.h"
@@ -15,8 +15,6 @@
 namespace wobblebench::bench {
 
 namespace {
-
-constexpr double kUnset = std::numeric_limits<double>::quiet_NaN();
 
 AccuracyBound bound_of(const std::string& name,
                        Evaluator& evaluator,

@@ -26,7 +26,7 @@ namespace wobblebench::bench {
 
 namespace {
 
-struct Arguments {
+struct TablesArguments {
   SceneArguments scene;
   CacheArguments cache;
   OutputArguments output;
@@ -84,7 +84,7 @@ void warn_of_options(Scene scene, bool is_simulated, Progress& progress) {
 }
 
 CommandResult measure_and_write(Scene scene,
-                                const Arguments& arguments,
+                                const TablesArguments& arguments,
                                 const BoardArguments& board,
                                 std::unique_ptr<hw::Link> link,
                                 render::GlContext& context,
@@ -103,7 +103,7 @@ CommandResult measure_and_write(Scene scene,
           .document = std::move(document)};
 }
 
-int measure(const Arguments& arguments) {
+int measure(const TablesArguments& arguments) {
   Scene scene = load_scene(
       arguments.scene.file, arguments.scene.settings, "--set", render::RenderPreset::baseline);
   const BoardArguments board = parse_board(arguments.board);
@@ -166,7 +166,7 @@ TableVolumes scan_table_volumes(const Scene& scene,
 }
 
 Command add_tables_command(CLI::App& app) {
-  const auto arguments = std::make_shared<Arguments>();
+  const auto arguments = std::make_shared<TablesArguments>();
   CLI::App& command = add_subcommand(app, "tables", "Tables I to IV beside the paper's");
   add_scene_options(command, arguments->scene);
   add_cache_options(command, arguments->cache);

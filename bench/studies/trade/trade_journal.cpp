@@ -7,6 +7,7 @@
 #include <sstream>
 #include <stdexcept>
 
+#include "base/statistics.h"
 #include "base/units.h"
 #include "bench/output/report_parts.h"
 

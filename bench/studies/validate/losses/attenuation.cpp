@@ -22,9 +22,9 @@ constexpr double kCentimetre = 1e-2;
 constexpr double kNarrow_rad = 6 * kDegree;
 constexpr double kBin_m = 1e-3;
 /// Range behind a body that its own echo covers, and up to which it is evaluated.
-constexpr double kSkip_m = 2e-3, kBehind_m = 30e-3;
+constexpr double kSkip_m = 2e-3, kUpTo_m = 30e-3;
 
-double db(double power) {
+double power_db(double power) {
   return 10 * std::log10(power);
 }
 
@@ -59,7 +59,7 @@ struct Body {
   double to_m = 0;
 };
 
-/// A body of `material` in soft tissue, evaluated from kSkip_m to kBehind_m behind `back_z`.
+/// A body of `material` in soft tissue, evaluated from kSkip_m to kUpTo_m behind `back_z`.
 Body body_of(const phantoms::Phantom& phantom,
              const std::string& material,
              double back_z,
@@ -73,7 +73,7 @@ Body body_of(const phantoms::Phantom& phantom,
           loss_db_per_cm(tissue, plan) - loss_db_per_cm(other, plan),
           2 * transmission_db(tissue, other),
           back_m + kSkip_m,
-          back_m + kBehind_m};
+          back_m + kUpTo_m};
 }
 
 Body bone_plate(const hw::AcquisitionPlan& plan) {
@@ -131,8 +131,8 @@ struct Change {
     without.add(there * there);
     predicted.add(there * there * factor);
   }
-  double measured_db() const { return db(with.mean() / without.mean()); }
-  double expected_db() const { return db(predicted.mean() / without.mean()); }
+  double measured_db() const { return power_db(with.mean() / without.mean()); }
+  double expected_db() const { return power_db(predicted.mean() / without.mean()); }
 };
 
 /// One stick of both scans: into its bins of range, and into all behind the body.
@@ -213,7 +213,7 @@ SlopeResult measure_slope(sim::Rung rung, bool speckle, const AttenuationInputs&
     const double r = plan.sample_range_m(k);
     if (r < kFrom_m || r > kTo_m) continue;
     result.range_m.push_back(r);
-    result.level_db.push_back(db(rows[static_cast<std::size_t>(k)].mean()));
+    result.level_db.push_back(power_db(rows[static_cast<std::size_t>(k)].mean()));
     result.n += static_cast<long>(rows[static_cast<std::size_t>(k)].count);
   }
   result.slope_db_per_cm = kCentimetre * fit_line(result.range_m, result.level_db).slope;

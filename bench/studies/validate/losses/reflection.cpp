@@ -198,7 +198,7 @@ constexpr double kLobeTolerance = 0.02;     // of the echo at normal incidence
 constexpr double kFresnelTolerance = 0.02;  // of a perfect mirror
 constexpr double kDiffuseTolerance_db = 1;
 
-double db(double amplitude) {
+double amplitude_db(double amplitude) {
   return 20 * std::log10(amplitude);
 }
 
@@ -235,7 +235,7 @@ Series marks(const std::string& name,
              int colour) {
   Series series{name, {}, {}, Stroke::none, mark, colour};
   for (const AnglePoint& point : points) {
-    series.add(point.angle_rad / kDegree, db(point.measured));
+    series.add(point.angle_rad / kDegree, amplitude_db(point.measured));
   }
   return series;
 }
@@ -245,7 +245,7 @@ Series model(const std::string& name, double to_deg, int colour, const Model& am
   Series series{name, {}, {}, Stroke::solid, Mark::none, colour};
   for (int i = 0; i <= 400; ++i) {
     const double degrees = to_deg * i / 400;
-    series.add(degrees, db(amplitude(degrees * kDegree)));
+    series.add(degrees, amplitude_db(amplitude(degrees * kDegree)));
   }
   return series;
 }
@@ -303,10 +303,13 @@ StudyReport reflection_report() {
   for (const sim::Rung rung : {sim::Rung::field, sim::Rung::scatterers}) {
     diffuse.push_back(measure_diffuse(rung, inputs));
     const AnglePoint& furthest = worst(diffuse.back(), [](const AnglePoint& point) {
-      return std::abs(db(point.measured / point.expected));
+      return std::abs(amplitude_db(point.measured / point.expected));
     });
     report.check("reflection.diffuse." + sim::to_string(rung))
-        .within(db(furthest.measured), db(furthest.expected), kDiffuseTolerance_db, "dB")
+        .within(amplitude_db(furthest.measured),
+                amplitude_db(furthest.expected),
+                kDiffuseTolerance_db,
+                "dB")
         .from("|R| cos i; " + at_angle(furthest))
         .over(furthest.n, "sticks", inputs.seeds);
     add_points("diffuse " + sim::to_string(rung), diffuse.back(), report);
