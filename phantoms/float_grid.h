@@ -2,11 +2,19 @@
 // instantiated in float_grid.cpp only. Heavy: include it from .cpp files only.
 #pragma once
 
-#include <openvdb/Grid.h>
+#include <openvdb/openvdb.h>
 
 #include <glm/vec3.hpp>
 
 #include "phantoms/grids.h"
+
+#ifdef WOBBLEBENCH_TREES_OF_LIBRARY
+// libopenvdb has these, though its headers say so of some functions only; a source that makes or copies
+// a grid would compile all functions of the tree again, for 9 s.
+extern template class openvdb::Grid<openvdb::FloatTree>;
+extern template class openvdb::tree::Tree<openvdb::FloatTree::RootNodeType>;
+extern template class openvdb::tree::Tree<openvdb::MaskTree::RootNodeType>;
+#endif
 
 namespace wobblebench::phantoms {
 
@@ -14,9 +22,7 @@ namespace wobblebench::phantoms {
 /// and from any thread.
 void initialize_openvdb();
 
-/// An empty level set on cubic voxels, a voxel's centre at the origin. Create and copy float grids
-/// by these two functions: FloatGrid::create() and deepCopy() make a .cpp instantiate all input and
-/// output of trees, 8 s of compile time.
+/// An empty level set on cubic voxels, a voxel's centre at the origin.
 [[nodiscard]] FloatGrid::Ptr create_level_set(double voxel_m, double background_m);
 [[nodiscard]] FloatGrid::Ptr deep_copy(const FloatGrid& grid);
 
