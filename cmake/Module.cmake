@@ -1,6 +1,9 @@
 # How this project builds a module and a program: one place for flags, aliases and include paths.
 include_guard()
 include(GNUInstallDirs)
+include(TestTiers)
+# CTest reads it by itself; tests of add_test wait for the next configuring.
+set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS "${wobblebench_seconds_file}")
 
 # Flags of every target of ours. Contraction is off so that results match across machines; a designated
 # initialiser that names only what differs from the defaults is how we write options.
@@ -86,11 +89,11 @@ function(wobblebench_install_library target component)
   install(TARGETS ${target} EXPORT wobblebench-${component} ARCHIVE COMPONENT ${package})
 endfunction()
 
-# wobblebench_test(NAME SOURCES a_test.cpp … LIBS lib … [PRECOMPILE <header> …]): one GoogleTest program; each
-# of its suites is a CTest test. Not each case: a process loads some 50 shared libraries first, and what a
-# suite's cases share is made once.
+# wobblebench_test(NAME SOURCES a_test.cpp … LIBS lib … [PRECOMPILE <header> …] [NIGHTLY Suite …]): one GoogleTest
+# program; each of its suites is a CTest test. Not each case: a process loads some 50 shared libraries first, and what a
+# suite's cases share is made once. NIGHTLY: suites that take too long for each change.
 function(wobblebench_test name)
-  cmake_parse_arguments(PARSE_ARGV 1 arg "" "" "SOURCES;LIBS;PRECOMPILE")
+  cmake_parse_arguments(PARSE_ARGV 1 arg "" "" "SOURCES;LIBS;PRECOMPILE;NIGHTLY")
   set(seconds 900)
   if(WOBBLEBENCH_SANITIZE)
     set(seconds 3000)  # some cases take ten times as long
@@ -103,6 +106,7 @@ function(wobblebench_test name)
   set(suites "${CMAKE_CURRENT_BINARY_DIR}/${name}_suites.cmake")
   add_custom_command(TARGET ${name} POST_BUILD BYPRODUCTS "${suites}"
     COMMAND "${CMAKE_COMMAND}" "-DPROGRAM=$<TARGET_FILE:${name}>" "-DNAME=${name}" "-DTIMEOUT=${seconds}"
-      "-DTIERS=${PROJECT_SOURCE_DIR}/tests/tiers.cmake" "-DOUTPUT=${suites}" -P "${PROJECT_SOURCE_DIR}/cmake/ListSuites.cmake" VERBATIM)
+      "-DNIGHTLY=${arg_NIGHTLY}" "-DTIERS=${PROJECT_SOURCE_DIR}/cmake/TestTiers.cmake" "-DOUTPUT=${suites}"
+      -P "${PROJECT_SOURCE_DIR}/cmake/ListSuites.cmake" VERBATIM)
   set_property(DIRECTORY APPEND PROPERTY TEST_INCLUDE_FILES "${suites}")
 endfunction()

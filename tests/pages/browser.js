@@ -4,7 +4,7 @@ import assert from 'node:assert/strict';
 import {spawnSync} from 'node:child_process';
 import {mkdirSync, readFileSync, rmSync} from 'node:fs';
 import {createRequire} from 'node:module';
-import {join} from 'node:path';
+import {basename, join} from 'node:path';
 import {after, before} from 'node:test';
 
 const {PAGES_PACKAGES, PAGES_BROWSER, PAGES_SCRATCH} = process.env;
@@ -16,10 +16,15 @@ export const desktop = {width: 1280, height: 900};
 export const phone = {width: 390, height: 844};
 export const patience_ms = Number(process.env.PAGES_PATIENCE_MS ?? 120_000);  // for machines with other work
 
+// The suite's programs have a cache of their own; the browser keeps its fonts in the user's.
+const usersEnvironment = {...process.env};
+process.env.XDG_CACHE_HOME = scratch(join('cache', basename(process.argv[1], '_test.js')));
+
 let browser;
 before(async () => {
   // Chromium's own sandbox does not start as root, nor in most containers.
-  browser = await chromium.launch({executablePath: PAGES_BROWSER, args: ['--no-sandbox'], timeout: patience_ms});
+  browser = await chromium.launch({executablePath: PAGES_BROWSER, args: ['--no-sandbox'], timeout: patience_ms,
+    env: usersEnvironment});
 });
 after(() => browser?.close());
 

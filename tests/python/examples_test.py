@@ -10,6 +10,8 @@ import unittest
 import numpy
 
 PROGRAM = pathlib.Path(os.environ["WOBBLEBENCH_PROGRAM"])
+CACHE = tempfile.TemporaryDirectory()  # not the user's
+os.environ["XDG_CACHE_HOME"] = CACHE.name
 EXAMPLES = pathlib.Path(__file__).resolve().parents[2] / "examples"
 SMALL = [word for setting in ("phantom.name=sphere", "acquisition.frames_per_volume=13", "acquisition.sticks_per_frame=32",
                               "acquisition.samples_per_stick=256", "render.ray_casting.image_size=64")

@@ -17,6 +17,9 @@ import OpenImageIO
 import wobblebench
 
 PROGRAM = os.environ["WOBBLEBENCH_PROGRAM"]
+USERS_ENVIRONMENT = dict(os.environ)
+CACHE = tempfile.TemporaryDirectory()  # not the user's
+os.environ["XDG_CACHE_HOME"] = CACHE.name
 # Off the easy place: another preset, another seed, turned, an even number of frames.
 SETTINGS = {
     "phantom.name": "sphere",
@@ -341,7 +344,7 @@ class Process(unittest.TestCase):
     def test_ctrl_c_raises_keyboard_interrupt_and_the_process_ends_with_its_code(self):
         for code in (INTERRUPTED, LEFT):
             child = subprocess.Popen([sys.executable, "-W", "ignore", "-c", code], stdout=subprocess.PIPE,
-                                     stderr=subprocess.PIPE, text=True)
+                                     stderr=subprocess.PIPE, text=True, env=USERS_ENVIRONMENT)
             self.assertEqual(child.stdout.readline(), "reading\n")
             time.sleep(0.3)
             child.send_signal(signal.SIGINT)

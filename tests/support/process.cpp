@@ -1,6 +1,7 @@
 #include "tests/support/process.h"
 
 #include <fcntl.h>
+#include <pwd.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -26,10 +27,26 @@ void redirect(const fs::path& path, int descriptor) {
   ::dup2(file.get(), descriptor);
 }
 
+/// What $XDG_CACHE_HOME is for the program; none: unset.
+std::optional<fs::path> cache_home(const ProcessLimits& limits) {
+  if (limits.no_cache) return std::nullopt;
+  if (limits.cache_home) return limits.cache_home;
+  static const ScratchFolder shared;
+  return shared.path();
+}
+
+/// Shaders stay where Mesa keeps them without $XDG_CACHE_HOME: compiled once, not for each suite.
+void keep_shaders_of_user() {
+  const passwd* user = ::getpwuid(::getuid());
+  if (!user) return;
+  ::setenv("MESA_SHADER_CACHE_DIR", (fs::path(user->pw_dir) / ".cache").c_str(), 0);
+}
+
 [[noreturn]] void become(const fs::path& program,
                          const std::vector<std::string>& arguments,
                          const fs::path& directory,
-                         const ProcessLimits& limits) {
+                         const ProcessLimits& limits,
+                         const std::optional<fs::path>& cache) {
   if (limits.file_bytes) {
     const auto bytes = static_cast<rlim_t>(*limits.file_bytes);
     const rlimit limit{bytes, bytes};
@@ -37,7 +54,8 @@ void redirect(const fs::path& path, int descriptor) {
   }
   // Unset, not empty: Mesa complains of an empty one on stderr.
   for (const char* name : {"XDG_CACHE_HOME", "HOME"}) ::unsetenv(name);
-  if (limits.cache_home) ::setenv("XDG_CACHE_HOME", limits.cache_home->c_str(), 1);
+  if (cache) ::setenv("XDG_CACHE_HOME", cache->c_str(), 1);
+  if (cache && !limits.cache_home) keep_shaders_of_user();
   std::vector<char*> argv = {const_cast<char*>(program.c_str())};
   for (const auto& argument : arguments) argv.push_back(const_cast<char*>(argument.c_str()));
   argv.push_back(nullptr);
@@ -77,24 +95,26 @@ ProcessResult run_process(const fs::path& program,
                           const fs::path& directory,
                           const ProcessLimits& limits) {
   const ScratchFolder output;
+  const auto cache = cache_home(limits);
   const pid_t child = ::fork();
   if (child < 0) throw std::runtime_error("fork failed");
   if (child == 0) {
     redirect(output.path() / "out", STDOUT_FILENO);
     redirect(output.path() / "err", STDERR_FILENO);
-    become(program, arguments, directory, limits);
+    become(program, arguments, directory, limits, cache);
   }
   const int status = wait_for(child, limits);
   return {exit_code_of(status), bytes_of(output.path() / "out"), bytes_of(output.path() / "err")};
 }
 
-ScratchFolder::ScratchFolder() {
+ScratchFolder::ScratchFolder() : maker_(::getpid()) {
   std::string pattern = (fs::temp_directory_path() / "wobblebench-XXXXXX").string();
   if (!::mkdtemp(pattern.data())) throw std::runtime_error(pattern + ": cannot be made");
   path_ = pattern;
 }
 
 ScratchFolder::~ScratchFolder() {
+  if (::getpid() != maker_) return;
   std::error_code ignored;
   fs::remove_all(path_, ignored);
 }

@@ -29,8 +29,11 @@ struct ProcessLimits {
   std::vector<std::pair<std::string, std::string>> environment = {};
   /// Standard streams (0, 1, 2) that the program starts without.
   std::vector<int> closed = {};
-  /// $XDG_CACHE_HOME; none: it and $HOME name no folder, so that nothing is kept.
-  std::optional<std::filesystem::path> cache_home;
+  /// $XDG_CACHE_HOME; none: a folder that all programs of this process share, so that they make a
+  /// phantom once.
+  std::optional<std::filesystem::path> cache_home = {};
+  /// Neither it nor $HOME names a folder: nothing is kept.
+  bool no_cache = false;
 };
 
 /// Starts `program` with `arguments` in the folder `directory`, and waits for its end.
@@ -39,7 +42,7 @@ ProcessResult run_process(const std::filesystem::path& program,
                           const std::filesystem::path& directory,
                           const ProcessLimits& limits = {});
 
-/// A fresh folder of this test's own, removed with all that is in it.
+/// A fresh folder of this test's own, removed with all that is in it by the process that made it.
 class ScratchFolder {
  public:
   ScratchFolder();
@@ -53,6 +56,7 @@ class ScratchFolder {
 
  private:
   std::filesystem::path path_;
+  int maker_;  ///< a process; its forks may exit while it is in use
 };
 
 }  // namespace wobblebench::testing_support

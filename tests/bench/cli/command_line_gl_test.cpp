@@ -139,7 +139,8 @@ TEST(CommandLine, InterruptionLeavesAllResultsOrNone) {
     const auto result = bench(with({"run", "--out", out}, {kQuick}),
                               folder,
                               {.interrupt_after = std::chrono::milliseconds(ms),
-                               .signal = ms % 2 == 0 ? SIGINT : SIGTERM});
+                               .signal = ms % 2 == 0 ? SIGINT : SIGTERM,
+                               .no_cache = true});
     const auto files = folder.files(out);
     EXPECT_TRUE(files.empty() || files == kResults)
         << "after " << ms << " ms: " << testing::PrintToString(files);
@@ -214,10 +215,12 @@ TEST(CommandLine, RunReportsTheGlThatRendered) {
 }
 
 /// Runs `command` on a disk that is full one byte, and a hundred, before the end of each of its
-/// files. Nothing may be left, unless this run's reports are short enough to fit.
+/// files. Nothing may be left, unless this run's reports are short enough to fit. Without a cache,
+/// whose files the limit would meet, too.
 void expect_no_half_file(const Words& command, const Words& results) {
   const ScratchFolder folder;
-  ASSERT_EQ(bench(with(command, {Words{"--out", "whole"}}), folder).exit_code, 0);
+  ASSERT_EQ(bench(with(command, {Words{"--out", "whole"}}), folder, {.no_cache = true}).exit_code,
+            0);
   ASSERT_EQ(folder.files("whole"), results);
   std::set<long> limits = {0};
   std::map<std::string, std::uintmax_t> sizes;
@@ -229,7 +232,8 @@ void expect_no_half_file(const Words& command, const Words& results) {
   for (const long bytes : limits) {
     SCOPED_TRACE(std::to_string(bytes) + " bytes");
     const std::string out = "out" + std::to_string(bytes);
-    const auto result = bench(with(command, {Words{"--out", out}}), folder, {.file_bytes = bytes});
+    const auto result = bench(
+        with(command, {Words{"--out", out}}), folder, {.file_bytes = bytes, .no_cache = true});
     failed += result.exit_code != 0;
     EXPECT_EQ(folder.files(out), result.exit_code == 0 ? results : Words{}) << result.err;
     for (const auto& name : folder.files(out)) {
@@ -252,7 +256,7 @@ TEST(CommandLine, AFullDiskLeavesNoHalfPhantom) {
 TEST(CommandLine, ResultsOfAnEarlierRunSurviveAFailedOne) {
   const ScratchFolder folder;
   ASSERT_EQ(bench(with({"run"}, {kQuick}), folder).exit_code, 0);
-  const auto failed = bench(with({"run"}, {kQuick}), folder, {.file_bytes = 500});
+  const auto failed = bench(with({"run"}, {kQuick}), folder, {.file_bytes = 500, .no_cache = true});
   EXPECT_EQ(failed.exit_code, 1);
   EXPECT_EQ(folder.files("out"), kResults);
 }

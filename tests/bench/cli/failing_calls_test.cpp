@@ -69,6 +69,7 @@ class FailingCalls : public testing::Test {
       prepare();
       fs::remove(at("reached"));
       ProcessLimits limits;
+      limits.no_cache = true;  // only the command's own calls are counted
       limits.environment = {{"LD_PRELOAD", WOBBLEBENCH_FAILING_CALLS},
                             {"WOBBLEBENCH_FAIL", kind + ":" + std::to_string(n) + ":" + action},
                             {"WOBBLEBENCH_FAIL_REACHED", at("reached").string()}};

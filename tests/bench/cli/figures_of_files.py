@@ -2,12 +2,16 @@
 """figures_of_files.py PROGRAM FOLDER: the figures of report.json, and the pixel of a known point,
 from the files of `run` by numpy and OpenImageIO, without any code of the program."""
 import json
+import os
 import subprocess
 import sys
+import tempfile
 
 import numpy
 import OpenImageIO as oiio
 
+CACHE = tempfile.TemporaryDirectory()  # not the user's
+os.environ["XDG_CACHE_HOME"] = CACHE.name
 RADIUS_MM, CENTER_MM = 20.0, numpy.array([7.0, -5.0, 108.0])
 SMALL = ["render.ray_casting.image_size=128", "acquisition.frames_per_volume=21"]
 BALL = ["phantom.name=sphere", "placement.position_mm=[7, -5, 108]"]

@@ -104,16 +104,18 @@ TEST(RecordIq, IsWhatWasEmittedWhateverTheLinkLoses) {
 /// A volume has 1.2 MB of IQ samples, and 0.08 MB of the recording.
 TEST(RecordIq, OfAFullDiskTheRecordingIsKept) {
   const ScratchFolder folder;
-  const auto result =
-      bench(with({"record", "--iq"}, {kSmallScan, kTwoVolumes}), folder, {.file_bytes = 1800000});
+  const auto result = bench(with({"record", "--iq"}, {kSmallScan, kTwoVolumes}),
+                            folder,
+                            {.file_bytes = 1800000, .no_cache = true});
   EXPECT_EQ(result.exit_code, 1);
   EXPECT_NE(result.err.find("iq.npy: cannot be written: File too large; "), std::string::npos)
       << result.err;
   EXPECT_NE(result.err.find("out/recording.wbst.partial holds 1 whole volumes"), std::string::npos)
       << result.err;
   EXPECT_EQ(folder.files("out"), Words{"recording.wbst.partial"});
-  const auto none = bench(
-      with({"record", "--iq", "--out", "none"}, {kSmallScan}), folder, {.file_bytes = 500000});
+  const auto none = bench(with({"record", "--iq", "--out", "none"}, {kSmallScan}),
+                          folder,
+                          {.file_bytes = 500000, .no_cache = true});
   EXPECT_EQ(none.exit_code, 1);
   EXPECT_NE(none.err.find("iq.npy: cannot be written: File too large; nothing is recorded"),
             std::string::npos)

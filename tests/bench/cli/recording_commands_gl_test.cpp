@@ -413,6 +413,7 @@ TEST_F(WithRecording, InterruptedARecordingIsWholeAsFarAsItGoes) {
 TEST_F(WithRecording, AFullDiskKeepsWhatWasRecordedAndSaysWhere) {
   ProcessLimits limits;
   limits.file_bytes = 400000;
+  limits.no_cache = true;
   const auto result = bench(
       {"record", "--board", "file=rec/recording.wbst,loop=true", "--volumes", "9", "--out", "full"},
       folder_,

@@ -4,6 +4,7 @@ import json
 import os
 import subprocess
 import sys
+import tempfile
 
 import numpy as np
 
@@ -11,6 +12,8 @@ PROGRAM, FOLDER, EXAMPLES = sys.argv[1:4]
 SMALL = ["phantom.name=sphere", "placement.position_mm=[7, -5, 108]", "acquisition.frames_per_volume=21",
          "render.ray_casting.image_size=64", "simulation.fidelity=field", "render.program=other",
          "render.program_voxel_mm=1"]
+CACHE = tempfile.TemporaryDirectory()  # not in the folder that must be empty at the end
+os.environ["XDG_CACHE_HOME"] = CACHE.name
 os.makedirs(os.path.join(FOLDER, "tmp"), exist_ok=True)
 os.environ["TMPDIR"] = os.path.join(FOLDER, "tmp")
 

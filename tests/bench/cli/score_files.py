@@ -4,12 +4,15 @@ import json
 import os
 import subprocess
 import sys
+import tempfile
 
 import numpy as np
 import OpenImageIO as oiio
 import vtk
 
 PROGRAM, FOLDER = sys.argv[1], sys.argv[2]
+CACHE = tempfile.TemporaryDirectory()  # not the user's
+os.environ["XDG_CACHE_HOME"] = CACHE.name
 RADIUS_MM, CENTER_MM = 20.0, np.array([7.0, -5.0, 108.0])
 SCENE = ["phantom.name=sphere", "placement.position_mm=[7, -5, 108]", "acquisition.frames_per_volume=21",
          "render.ray_casting.image_size=96", "simulation.fidelity=geometry",

@@ -23,7 +23,7 @@ class Zea(InFolder):
     @classmethod
     def setUpClass(cls):
         super().setUpClass()
-        run("export", "sim", *SCENE, "--volumes", 2, "--no-cache", "--to", cls.path("a.hdf5"),
+        run("export", "sim", *SCENE, "--volumes", 2, "--to", cls.path("a.hdf5"),
             "--to", cls.path("a.npz") + ",content=polar")
         cls.scan = np.load(cls.path("a.npz"))
         cls.file = h5py.File(cls.path("a.hdf5"))
@@ -70,7 +70,7 @@ class Dicom(InFolder):
     @classmethod
     def setUpClass(cls):
         super().setUpClass()
-        run("export", "sim", *SCENE, "--no-cache", "--to", cls.path("a.dcm") + ",spacing_mm=1",
+        run("export", "sim", *SCENE, "--to", cls.path("a.dcm") + ",spacing_mm=1",
             "--to", cls.path("grid.mha") + ",content=cartesian,spacing_mm=1")
         cls.volume = pydicom.dcmread(cls.path("a.dcm"))
 

@@ -48,7 +48,7 @@ class Ball(InFolder):
                      f"{name}_polar.nrrd,content=polar,type=uint16", f"{name}_polar.mha,content=polar",
                      f"{name}.ply", f"{name}_true.ply,content=truth"]
             to = [word for file in files for word in ("--to", cls.path(file))]
-            run("export", "sim", *BALL_SCENE, *probe, *to, "--no-cache")
+            run("export", "sim", *BALL_SCENE, *probe, *to)
 
     def scans(self):
         for name in PROBES:
@@ -225,7 +225,7 @@ class Slices(InFolder):
                 f"acquisition.motor={motor}", "render.reconstruction.sticks=plain",
                 "render.scan_conversion.filter_size=1", "render.ray_casting.kernel_3d=1",
                 "render.scan_conversion.format=r32f",
-                "render.scan_conversion.slice_size=200"), "--volumes", 2, "--no-cache", "--to",
+                "render.scan_conversion.slice_size=200"), "--volumes", 2, "--to",
                 self.path(f"{motor}.npz") + ",content=polar", "--to", self.path(f"{motor}_slices.npz") + ",content=slices")
             scan, made = np.load(self.path(f"{motor}.npz")), np.load(self.path(f"{motor}_slices.npz"))
             self.assertEqual(int(made["volume"]), 1)
@@ -256,7 +256,7 @@ class FetalFace(InFolder):
 
     def test_hand_stays_at_its_side(self):
         scene = settings("phantom.name=fetal_face", "render.ray_casting.image_size=128", *SMALL_SCAN)
-        run("export", "sim", *scene, "--no-cache", "--to", self.path("face.npz"), "--to",
+        run("export", "sim", *scene, "--to", self.path("face.npz"), "--to",
             self.path("face.nrrd") + ",content=labels,spacing_mm=1", "--to", self.path("true.ply") + ",content=truth")
         scan = np.load(self.path("face.npz"))
         labels, spacing, origin = read_volume(vtkNrrdReader(), self.path("face.nrrd"))
@@ -284,7 +284,7 @@ class Several(InFolder):
         scene = settings("phantom.name=sphere", "motion.velocity_mm_s=[20, 0, 0]", "acquisition.motor=alternating",
                          "acquisition.frames_per_volume=7", "acquisition.sticks_per_frame=9",
                          "acquisition.samples_per_stick=16")
-        run("export", "sim", *scene, "--volumes", 3, "--no-cache", "--to", self.path("three.npz") + ",content=polar",
+        run("export", "sim", *scene, "--volumes", 3, "--to", self.path("three.npz") + ",content=polar",
             "--to", self.path("three.seq.nrrd") + ",content=polar,type=float", "--to",
             self.path("three.mha") + ",content=polar,type=float")
         scan = np.load(self.path("three.npz"))
@@ -302,19 +302,19 @@ class Several(InFolder):
 
     def test_recording_gives_what_the_scene_gives(self):
         scene = settings("phantom.name=sphere", *SMALL_SCAN)
-        run("record", *scene, "--volumes", 2, "--out", self.path("rec"), "--no-cache")
+        run("record", *scene, "--volumes", 2, "--out", self.path("rec"))
         run("export", self.path("rec/recording.wbst"), "--volumes", 2, "--to", self.path("rec.npz") + ",content=polar",
             *settings("phantom.name=sphere"))
-        run("export", "sim", *scene, "--volumes", 2, "--to", self.path("sim.npz") + ",content=polar", "--no-cache")
+        run("export", "sim", *scene, "--volumes", 2, "--to", self.path("sim.npz") + ",content=polar")
         a, b = np.load(self.path("rec.npz")), np.load(self.path("sim.npz"))
         for key in a.files:
             np.testing.assert_array_equal(a[key], b[key], key)
 
     def test_folder_of_a_run_is_its_scene(self):
         scene = settings("phantom.name=sphere", "simulation.seed=7", "render.ray_casting.image_size=96", *SMALL_SCAN)
-        run("run", *scene, "--out", self.path("run"), "--no-cache")
-        run("export", self.path("run"), "--to", self.path("again.npz"), "--no-cache")
-        run("export", "sim", *scene, "--to", self.path("direct.npz"), "--no-cache")
+        run("run", *scene, "--out", self.path("run"))
+        run("export", self.path("run"), "--to", self.path("again.npz"))
+        run("export", "sim", *scene, "--to", self.path("direct.npz"))
         a, b = np.load(self.path("again.npz")), np.load(self.path("direct.npz"))
         for key in set(b.files) - {"source", "label_names"}:
             np.testing.assert_allclose(a[key], b[key], rtol=1e-5, atol=1e-5, err_msg=key)

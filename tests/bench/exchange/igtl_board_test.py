@@ -161,11 +161,11 @@ class Received(InFolder):
                          "acquisition.samples_per_stick=96", "acquisition.frames_per_volume=9",
                          "render.ray_casting.image_size=64", "acquisition.volumes=40")
         file = self.path("sent.npz")
-        run("export", "sim", *scene[:-2], "--to", file + ",content=polar", "--no-cache")
+        run("export", "sim", *scene[:-2], "--to", file + ",content=polar")
         expected = np.load(file)["samples"][0]
         sender = subprocess.Popen(
             [PROGRAM, "stream", *scene, "--send", "igtl=0,content=polar,type=uint16", "--out",
-             self.path("sender"), "--no-cache", "--codec", "none", "--errors", "0"],
+             self.path("sender"), "--codec", "none", "--errors", "0"],
             stderr=subprocess.PIPE, stdout=subprocess.DEVNULL, text=True)
         port = next(line for line in sender.stderr if "OpenIGTLink at" in line).rsplit(":", 1)[1].strip()
         scan = self.exported("loop", f"igtl=127.0.0.1:{port}", 1)

@@ -34,7 +34,7 @@ class Stream:
         if "clients=" not in send and "wait=" not in send:
             send += f",wait={len(clients)}"
         command = [PROGRAM, "stream", *SCENE, *options, "--send", send, "--out", self.out,
-                   "--no-cache", "--codec", "none", "--errors", "0"]
+                   "--codec", "none", "--errors", "0"]
         self.received = [[] for _ in clients]
         self.lines = []
         self.process = subprocess.Popen(command, stderr=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
@@ -117,7 +117,7 @@ class Sent(InFolder):
 
     def test_the_volume_is_the_exported_one_and_lies_where_the_ball_is(self):
         file = self.path("ball.nrrd")
-        run("export", "sim", *SCENE, "--to", file + ",spacing_mm=2,type=uint16", "--no-cache", "--replace")
+        run("export", "sim", *SCENE, "--to", file + ",spacing_mm=2,type=uint16", "--replace")
         reader = vtkNrrdReader()
         reader.SetFileName(file)
         reader.Update()
@@ -141,7 +141,7 @@ class Sent(InFolder):
 
     def test_polar_samples_are_the_exported_ones(self):
         file = self.path("polar.npz")
-        run("export", "sim", *SCENE, "--volumes", "3", "--to", file + ",content=polar", "--no-cache")
+        run("export", "sim", *SCENE, "--volumes", "3", "--to", file + ",content=polar")
         message = self.stream.of("Polar")[-1]
         voxels = igtl.Image(message).voxels
         self.assertEqual(voxels.shape, (21, 40, 192))

@@ -85,7 +85,7 @@ class Polar(Input):
         scene = settings("phantom.name=sphere", "probe.wobble_radius_mm=70", "acquisition.fan_deg=35", *SMALL_SCAN)
         names = {"a.nrrd,content=polar,type=uint16": 1 / 65535, "a.mha,content=polar": 1 / 255, "a.vol": 1 / 255, "a.hdf5": 0}
         to = [word for name in names for word in ("--to", self.path(name))]
-        run("export", "sim", *scene, "--no-cache", "--to", self.path("a.npz") + ",content=polar", *to)
+        run("export", "sim", *scene, "--to", self.path("a.npz") + ",content=polar", *to)
         scan = np.load(self.path("a.npz"))
         for name, step in names.items():
             keys = {"dynamic_range_db": 60.0} if name == "a.vol" else {}
@@ -170,7 +170,7 @@ class Resampled(Input):
 
     def test_own_planes_and_grids_come_back_as_their_sticks(self):
         scene = settings("phantom.name=sphere", *SMALL_SCAN)
-        run("export", "sim", *scene, "--no-cache", "--to", self.path("s.npz") + ",content=polar",
+        run("export", "sim", *scene, "--to", self.path("s.npz") + ",content=polar",
             "--to", self.path("s.mha") + ",spacing_mm=0.2,type=uint16",
             "--to", self.path("s.nrrd") + ",spacing_mm=0.5,type=uint16")
         scan = np.load(self.path("s.npz"))

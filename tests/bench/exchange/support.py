@@ -8,6 +8,9 @@ import unittest
 import numpy as np
 
 PROGRAM = os.environ["WOBBLEBENCH"]
+# Of this script: a phantom is made once, and the user's cache is left alone.
+CACHE = tempfile.TemporaryDirectory()
+os.environ["XDG_CACHE_HOME"] = CACHE.name
 
 SMALL_SCAN = [f"acquisition.{key}" for key in
               ("sticks_per_frame=40", "samples_per_stick=192", "frames_per_volume=21")]
