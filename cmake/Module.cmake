@@ -89,11 +89,11 @@ function(wobblebench_install_library target component)
   install(TARGETS ${target} EXPORT wobblebench-${component} ARCHIVE COMPONENT ${package})
 endfunction()
 
-# wobblebench_test(NAME SOURCES a_test.cpp … LIBS lib … [PRECOMPILE <header> …] [NIGHTLY Suite …]): one GoogleTest
+# wobblebench_test(NAME SOURCES a_test.cpp … LIBS lib … [NIGHTLY Suite …]): one GoogleTest
 # program; each of its suites is a CTest test. Not each case: a process loads some 50 shared libraries first, and what a
 # suite's cases share is made once. NIGHTLY: suites that take too long for each change.
 function(wobblebench_test name)
-  cmake_parse_arguments(PARSE_ARGV 1 arg "" "" "SOURCES;LIBS;PRECOMPILE;NIGHTLY")
+  cmake_parse_arguments(PARSE_ARGV 1 arg "" "" "SOURCES;LIBS;NIGHTLY")
   set(seconds 900)
   if(WOBBLEBENCH_SANITIZE)
     set(seconds 3000)  # some cases take ten times as long
@@ -102,7 +102,6 @@ function(wobblebench_test name)
   target_link_libraries(${name} PRIVATE ${arg_LIBS} GTest::gtest_main)
   wobblebench_flags(${name})
   wobblebench_optimise(${name} 1)
-  wobblebench_precompile(${name} <gtest/gtest.h> ${arg_PRECOMPILE})
   set(suites "${CMAKE_CURRENT_BINARY_DIR}/${name}_suites.cmake")
   add_custom_command(TARGET ${name} POST_BUILD BYPRODUCTS "${suites}"
     COMMAND "${CMAKE_COMMAND}" "-DPROGRAM=$<TARGET_FILE:${name}>" "-DNAME=${name}" "-DTIMEOUT=${seconds}"
