@@ -30,10 +30,6 @@ FloatGrid::Ptr create_level_set(double voxel_m, double background_m) {
   return grid;
 }
 
-FloatGrid::Ptr deep_copy(const FloatGrid& grid) {
-  return grid.deepCopy();
-}
-
 bool has_both_sides(const FloatGrid& grid) {
   bool inside = false, outside = false;
   for (auto value = grid.cbeginValueOn(); value && !(inside && outside); ++value) {
@@ -44,7 +40,7 @@ bool has_both_sides(const FloatGrid& grid) {
 }
 
 FloatGrid::Ptr widen_band(const FloatGrid& grid, int layers, Neighbours neighbours) {
-  if (!has_both_sides(grid)) return deep_copy(grid);
+  if (!has_both_sides(grid)) return grid.deepCopy();
   return openvdb::tools::dilateSdf(
       grid,
       layers,

@@ -9,8 +9,8 @@
 #include "phantoms/grids.h"
 
 #ifdef WOBBLEBENCH_TREES_OF_LIBRARY
-// libopenvdb has these, though its headers say so of some functions only; a source that makes or copies
-// a grid would compile all functions of the tree again, for 9 s.
+// libopenvdb has these, though its headers say so of some functions only; a source that makes or
+// copies a grid would compile all functions of the tree again, for 9 s.
 extern template class openvdb::Grid<openvdb::FloatTree>;
 extern template class openvdb::tree::Tree<openvdb::FloatTree::RootNodeType>;
 extern template class openvdb::tree::Tree<openvdb::MaskTree::RootNodeType>;
@@ -24,7 +24,6 @@ void initialize_openvdb();
 
 /// An empty level set on cubic voxels, a voxel's centre at the origin.
 [[nodiscard]] FloatGrid::Ptr create_level_set(double voxel_m, double background_m);
-[[nodiscard]] FloatGrid::Ptr deep_copy(const FloatGrid& grid);
 
 /// Whether the narrow band has voxels inside and outside the surface.
 [[nodiscard]] bool has_both_sides(const FloatGrid& grid);

@@ -111,7 +111,7 @@ class Clearance {
 
 // The part of the grid within the box and a margin around it; signs within it are kept.
 Grid::ConstPtr clipped(const Grid::ConstPtr& grid, const Box& box, double margin_m) {
-  Grid::Ptr clip = deep_copy(*grid);
+  Grid::Ptr clip = grid->deepCopy();
   clip->clipGrid({to_vdb(box.low - margin_m), to_vdb(box.high + margin_m)});
   return clip;
 }

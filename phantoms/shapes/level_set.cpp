@@ -149,7 +149,7 @@ float first_order_distance(const FloatGrid::ConstAccessor& tree,
 void renormalise(FloatGrid& grid) {
   using Tracker = openvdb::tools::LevelSetTracker<FloatGrid>;
   const double voxel_m = grid.voxelSize()[0];
-  const FloatGrid::Ptr raw = deep_copy(grid);
+  const FloatGrid::Ptr raw = grid.deepCopy();
   Tracker::MaskTreeType moving(grid.tree(), false, openvdb::TopologyCopy());
   openvdb::tree::LeafManager<Tracker::MaskTreeType> masks(moving);
   masks.foreach ([&](Tracker::MaskTreeType::LeafNodeType& mask, std::size_t) {

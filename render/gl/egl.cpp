@@ -23,7 +23,7 @@ void* libegl() {
 }
 
 template <class Function>
-Function egl_function(const char* name) {
+Function egl_entry(const char* name) {
   void* found = dlsym(libegl(), name);
   if (!found) throw std::runtime_error(std::string("libEGL has no ") + name);
   return reinterpret_cast<Function>(found);
@@ -31,21 +31,18 @@ Function egl_function(const char* name) {
 
 /// Functions that libEGL exports.
 struct Egl {
-  decltype(&eglBindAPI) bind_api = egl_function<decltype(&eglBindAPI)>("eglBindAPI");
-  decltype(&eglCreateContext) create =
-      egl_function<decltype(&eglCreateContext)>("eglCreateContext");
+  decltype(&eglBindAPI) bind_api = egl_entry<decltype(&eglBindAPI)>("eglBindAPI");
+  decltype(&eglCreateContext) create = egl_entry<decltype(&eglCreateContext)>("eglCreateContext");
   decltype(&eglDestroyContext) destroy =
-      egl_function<decltype(&eglDestroyContext)>("eglDestroyContext");
-  decltype(&eglGetError) error = egl_function<decltype(&eglGetError)>("eglGetError");
+      egl_entry<decltype(&eglDestroyContext)>("eglDestroyContext");
+  decltype(&eglGetError) error = egl_entry<decltype(&eglGetError)>("eglGetError");
   decltype(&eglGetPlatformDisplay) platform_display =
-      egl_function<decltype(&eglGetPlatformDisplay)>("eglGetPlatformDisplay");
+      egl_entry<decltype(&eglGetPlatformDisplay)>("eglGetPlatformDisplay");
   decltype(&eglGetProcAddress) proc_address =
-      egl_function<decltype(&eglGetProcAddress)>("eglGetProcAddress");
-  decltype(&eglInitialize) initialize = egl_function<decltype(&eglInitialize)>("eglInitialize");
-  decltype(&eglMakeCurrent) make_current =
-      egl_function<decltype(&eglMakeCurrent)>("eglMakeCurrent");
-  decltype(&eglQueryString) query_string =
-      egl_function<decltype(&eglQueryString)>("eglQueryString");
+      egl_entry<decltype(&eglGetProcAddress)>("eglGetProcAddress");
+  decltype(&eglInitialize) initialize = egl_entry<decltype(&eglInitialize)>("eglInitialize");
+  decltype(&eglMakeCurrent) make_current = egl_entry<decltype(&eglMakeCurrent)>("eglMakeCurrent");
+  decltype(&eglQueryString) query_string = egl_entry<decltype(&eglQueryString)>("eglQueryString");
 
   /// Throws `what` with the code of the call that failed; ContextLost if that is the reason.
   [[noreturn]] void fail(const std::string& what) const {

@@ -30,7 +30,7 @@ void* libosmesa() {
 }
 
 template <class Function>
-Function osmesa_function(const char* name) {
+Function osmesa_entry(const char* name) {
   void* found = dlsym(libosmesa(), name);
   if (!found) throw std::runtime_error(std::string("osmesa: libOSMesa has no ") + name);
   return reinterpret_cast<Function>(found);
@@ -45,9 +45,9 @@ class OsmesaContext final : public DriverContext {
  public:
   OsmesaContext() {
     const auto create =
-        osmesa_function<decltype(&OSMesaCreateContextAttribs)>("OSMesaCreateContextAttribs");
-    make_current_ = osmesa_function<decltype(&OSMesaMakeCurrent)>("OSMesaMakeCurrent");
-    proc_address_ = osmesa_function<decltype(&OSMesaGetProcAddress)>("OSMesaGetProcAddress");
+        osmesa_entry<decltype(&OSMesaCreateContextAttribs)>("OSMesaCreateContextAttribs");
+    make_current_ = osmesa_entry<decltype(&OSMesaMakeCurrent)>("OSMesaMakeCurrent");
+    proc_address_ = osmesa_entry<decltype(&OSMesaGetProcAddress)>("OSMesaGetProcAddress");
     const std::array<int, 9> attributes = {OSMESA_FORMAT,
                                            OSMESA_RGBA,
                                            OSMESA_PROFILE,
@@ -58,7 +58,7 @@ class OsmesaContext final : public DriverContext {
                                            5,
                                            0};
     const DestroyContext destroy{
-        osmesa_function<decltype(&OSMesaDestroyContext)>("OSMesaDestroyContext")};
+        osmesa_entry<decltype(&OSMesaDestroyContext)>("OSMesaDestroyContext")};
     context_ = {create(attributes.data(), nullptr), destroy};
     if (!context_) throw std::runtime_error("osmesa: gives no OpenGL 4.5 core context");
   }

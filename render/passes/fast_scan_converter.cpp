@@ -8,13 +8,7 @@
 namespace wobblebench::render {
 namespace {
 
-enum FastScanBinding {
-  kFastScanPolarTable,
-  kFastScanFrames,
-  kFastScanPixels,
-  kFastScanRows,
-  kFastScanNormaliser
-};
+enum LayerBinding { kLayerPolarTable, kLayerFrames, kLayerPixels, kLayerRows, kLayerNormaliser };
 
 /// Pairs of neighbours among the slices of a group.
 constexpr int kPairs = kGroupSlices - 1;
@@ -143,11 +137,11 @@ FastScanConverter::FastScanConverter(const SliceGeometry& geometry,
 
 void FastScanConverter::make_programs(const std::vector<double>& weights) {
   const Defines defines = Defines()
-                              .add("BIND_POLAR_TABLE", kFastScanPolarTable)
-                              .add("BIND_FRAMES", kFastScanFrames)
-                              .add("BIND_PIXELS", kFastScanPixels)
-                              .add("BIND_ROWS", kFastScanRows)
-                              .add("BIND_NORMALISER", kFastScanNormaliser)
+                              .add("BIND_POLAR_TABLE", kLayerPolarTable)
+                              .add("BIND_FRAMES", kLayerFrames)
+                              .add("BIND_PIXELS", kLayerPixels)
+                              .add("BIND_ROWS", kLayerRows)
+                              .add("BIND_NORMALISER", kLayerNormaliser)
                               .add("TAPS", static_cast<int>(weights.size()))
                               .add("SINGLE_TAP", single_tap_);
   const auto several = FragmentProgram::Layers::several;
@@ -184,16 +178,15 @@ void FastScanConverter::convert_batch(const std::vector<LayerGroup>& batch,
   }
   scan_convert_.draw_layers(
       unfiltered_target_,
-      {{kFastScanPolarTable, &polar_table_}, {kFastScanFrames, &frame_groups_->texture()}},
+      {{kLayerPolarTable, &polar_table_}, {kLayerFrames, &frame_groups_->texture()}},
       bordered,
       all_groups);
-  along_rows_.draw_layers(rows_target_, {{kFastScanPixels, &unfiltered_}}, bordered, all_groups);
+  along_rows_.draw_layers(rows_target_, {{kLayerPixels, &unfiltered_}}, bordered, all_groups);
   for (int group = 0; group < static_cast<int>(batch.size()); ++group) {
     along_columns_.set("group", static_cast<double>(group))
-        .draw(target_of(batch[static_cast<std::size_t>(group)], slices, {&made_, group}),
-              {{kFastScanRows, &rows_},
-               {kFastScanPixels, &unfiltered_},
-               {kFastScanNormaliser, &normaliser_}});
+        .draw(
+            target_of(batch[static_cast<std::size_t>(group)], slices, {&made_, group}),
+            {{kLayerRows, &rows_}, {kLayerPixels, &unfiltered_}, {kLayerNormaliser, &normaliser_}});
   }
 }
 

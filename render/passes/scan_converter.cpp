@@ -10,10 +10,10 @@ namespace wobblebench::render {
 namespace {
 
 namespace scan_convert {
-enum ScanBinding { kScanPolarTable, kScanFrame };
+enum Bindings { kPolarTable, kFrame };
 }
 namespace slice_filter {
-enum ScanBinding { kSlice };
+enum Bindings { kSlice };
 }
 
 /// Value of a pixel without data in the unfiltered slice.
@@ -46,8 +46,8 @@ ScanConverter::ScanConverter(const SliceGeometry& geometry,
   unfiltered_target_ = Framebuffer({&unfiltered_});
   scan_convert_ = FragmentProgram({"scan_convert.frag.glsl"},
                                   Defines()
-                                      .add("BIND_POLAR_TABLE", scan_convert::kScanPolarTable)
-                                      .add("BIND_FRAME", scan_convert::kScanFrame)
+                                      .add("BIND_POLAR_TABLE", scan_convert::kPolarTable)
+                                      .add("BIND_FRAME", scan_convert::kFrame)
                                       .add("EMPTY", kEmpty));
   const std::vector<double> weights = slice_weights(options);
   filter_ = FragmentProgram({"slice_filter.frag.glsl"},
@@ -61,9 +61,9 @@ ScanConverter::ScanConverter(const SliceGeometry& geometry,
 
 void ScanConverter::convert(const std::vector<float>& samples, const Framebuffer& slice) {
   frame_.upload(samples);
-  scan_convert_.draw(unfiltered_target_,
-                     {{scan_convert::kScanPolarTable, &polar_table_},
-                      {scan_convert::kScanFrame, &frame_.texture()}});
+  scan_convert_.draw(
+      unfiltered_target_,
+      {{scan_convert::kPolarTable, &polar_table_}, {scan_convert::kFrame, &frame_.texture()}});
   filter_.draw(slice, {{slice_filter::kSlice, &unfiltered_}});
   check_gl("scan conversion");
 }

@@ -10,13 +10,13 @@
 namespace wobblebench::render {
 namespace {
 
-enum DepthBinding { kDepthDepth, kDepthSums, kDepthFiltered };
+enum FilterBinding { kFilterDepth, kFilterSums, kFiltered };
 
 FragmentProgram lines_program(const RenderOptions& options, int size, bool columns) {
   FragmentProgram program({"depth_lines.frag.glsl"},
                           Defines()
-                              .add("BIND_DEPTH", kDepthDepth)
-                              .add("BIND_SUMS", kDepthSums)
+                              .add("BIND_DEPTH", kFilterDepth)
+                              .add("BIND_SUMS", kFilterSums)
                               .add("COLUMNS", columns)
                               .add("HALF_FILTER", size / 2));
   const Camera camera = make_camera(options);
@@ -27,7 +27,7 @@ FragmentProgram lines_program(const RenderOptions& options, int size, bool colum
 
 FragmentProgram window_program(int size) {
   return {{"depth_filter.frag.glsl"},
-          Defines().add("BIND_DEPTH", kDepthDepth).add("HALF_FILTER", size / 2)};
+          Defines().add("BIND_DEPTH", kFilterDepth).add("HALF_FILTER", size / 2)};
 }
 
 }  // namespace
@@ -46,9 +46,9 @@ DepthFilter::DepthFilter(const RenderOptions& options, int size)
 }
 
 void DepthFilter::filter(const Texture& depth) {
-  if (!fast_) return filter_.draw(filtered_target_, {{kDepthDepth, &depth}});
-  rows_.draw(sums_target_, {{kDepthDepth, &depth}});
-  filter_.draw(filtered_target_, {{kDepthDepth, &depth}, {kDepthSums, &sums_}});
+  if (!fast_) return filter_.draw(filtered_target_, {{kFilterDepth, &depth}});
+  rows_.draw(sums_target_, {{kFilterDepth, &depth}});
+  filter_.draw(filtered_target_, {{kFilterDepth, &depth}, {kFilterSums, &sums_}});
 }
 
 int normal_window(const RenderOptions& options) {
@@ -81,8 +81,8 @@ IncidenceCorrection::IncidenceCorrection(const SliceGeometry& geometry,
   program_ =
       FragmentProgram({"ray.glsl", "incidence.frag.glsl"},
                       Defines()
-                          .add("BIND_DEPTH", kDepthDepth)
-                          .add("BIND_FILTERED", kDepthFiltered)
+                          .add("BIND_DEPTH", kFilterDepth)
+                          .add("BIND_FILTERED", kFiltered)
                           .add("BEAM_ROWS", hw::BeamWidths::kRows)
                           .add("PERSPECTIVE", options.view.projection == Projection::perspective));
   std::vector<double> lateral_m, elevation_m;
@@ -109,7 +109,7 @@ void IncidenceCorrection::set_view(const RenderOptions& options) {
 const Texture& IncidenceCorrection::correct(const Texture& depth) {
   if (!active_) return depth;
   filter_.filter(depth);
-  program_.draw(target_, {{kDepthDepth, &depth}, {kDepthFiltered, &filter_.filtered()}});
+  program_.draw(target_, {{kFilterDepth, &depth}, {kFiltered, &filter_.filtered()}});
   check_gl("incidence correction");
   return corrected_;
 }

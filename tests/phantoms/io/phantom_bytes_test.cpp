@@ -128,7 +128,7 @@ TEST(PhantomBytesOfOthers, AreNone) {
   const Phantom phantom = ball();
   const auto with = [&](const auto& change) {
     auto grids = std::make_shared<Grids>();
-    const auto grid = deep_copy(*phantom.grids().signed_distance[0]);
+    const auto grid = phantom.grids().signed_distance[0]->deepCopy();
     change(*grid);
     grids->signed_distance = {grid};
     return Phantom(phantom.name(),

@@ -26,7 +26,7 @@ render::View view_of(double yaw_rad = 0) {
   return render::make_view(options);
 }
 
-bool holds_everywhere(int /*column*/, int /*row*/) {
+bool every_pixel(int /*column*/, int /*row*/) {
   return true;
 }
 
@@ -96,7 +96,7 @@ TEST(SpacingError, AcrossAStepSticksAreParted) {
   const auto view = view_of();
   const Truth truth = trace_truth(steps, plan, view);
   const SpacingError error =
-      spacing_error(truth, view.camera, plan, stick_ranges_m(steps, plan, view), all);
+      spacing_error(truth, view.camera, plan, stick_ranges_m(steps, plan, view), every_pixel);
   // The edge crosses all 65 rows, nearly all within the sweep; the sticks on its sides are one to
   // three pixels apart.
   EXPECT_GT(error.parted, 0.75 * 65);
@@ -125,7 +125,7 @@ TEST(SpacingError, PointsThatTheirStickDoesNotMeetAreHidden) {
   const auto view = view_of(50 * kDegree);
   Truth truth = trace_truth(ball, plan, view);
   const SpacingError seen =
-      spacing_error(truth, view.camera, plan, stick_ranges_m(ball, plan, view), all);
+      spacing_error(truth, view.camera, plan, stick_ranges_m(ball, plan, view), every_pixel);
   EXPECT_EQ(seen.hidden, 0);
   int moved = 0;
   for (std::size_t i = 0; i < truth.kind.pixels.size(); i += 7) {
@@ -134,7 +134,7 @@ TEST(SpacingError, PointsThatTheirStickDoesNotMeetAreHidden) {
     ++moved;
   }
   const SpacingError hidden =
-      spacing_error(truth, view.camera, plan, stick_ranges_m(ball, plan, view), all);
+      spacing_error(truth, view.camera, plan, stick_ranges_m(ball, plan, view), every_pixel);
   EXPECT_EQ(hidden.hidden, moved);
 }
 
@@ -145,7 +145,7 @@ TEST(SpacingError, LeavesOutWhatNoFourSticksSupport) {
   const auto view = view_of();
   const Truth truth = trace_truth(ball, plan, view);
   const SpacingError error =
-      spacing_error(truth, view.camera, plan, stick_ranges_m(ball, plan, view), all);
+      spacing_error(truth, view.camera, plan, stick_ranges_m(ball, plan, view), every_pixel);
   EXPECT_GT(error.unsupported, 0);
   const SpacingError none = spacing_error(
       truth, view.camera, plan, stick_ranges_m(ball, plan, view), [](int, int) { return false; });
