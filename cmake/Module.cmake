@@ -24,7 +24,8 @@ endfunction()
 
 # wobblebench_unity(TARGET): compiles the sources of a folder as one, in groups of at most eight, so that their headers
 # are read and their templates instantiated once. Names in anonymous namespaces are therefore unique within a folder.
-# The presets `dev` and `render-only` compile each source by itself, so that no include is missing where it is used.
+# The presets `dev` and `render-only`, and those of clang, compile each source by itself, so that no include is missing
+# where it is used.
 option(WOBBLEBENCH_UNITY "Compile the sources of a folder as one" ON)
 function(wobblebench_unity target)
   if(NOT WOBBLEBENCH_UNITY)
@@ -44,8 +45,7 @@ function(wobblebench_unity target)
   target_compile_options(${target} PRIVATE $<$<CXX_COMPILER_ID:GNU>:-Wno-subobject-linkage>)
 endfunction()
 
-# wobblebench_optimise(TARGET LEVEL): of release builds; `1` for what has no loop over samples or pixels, where half of
-# the time to compile was optimisation.
+# wobblebench_optimise(TARGET LEVEL): of release builds; `1` for what has no loop over samples or pixels.
 function(wobblebench_optimise target level)
   target_compile_options(${target} PRIVATE $<$<CONFIG:Release>:-O${level}>)
 endfunction()

@@ -1,7 +1,6 @@
 #include "phantoms/float_grid.h"
 
 #include <openvdb/math/Stencils.h>
-#include <openvdb/openvdb.h>
 #include <openvdb/tools/FastSweeping.h>
 
 #include <cmath>

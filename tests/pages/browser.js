@@ -4,6 +4,7 @@ import assert from 'node:assert/strict';
 import {spawnSync} from 'node:child_process';
 import {mkdirSync, readFileSync, rmSync} from 'node:fs';
 import {createRequire} from 'node:module';
+import {homedir} from 'node:os';
 import {basename, join} from 'node:path';
 import {after, before} from 'node:test';
 
@@ -18,6 +19,8 @@ export const patience_ms = Number(process.env.PAGES_PATIENCE_MS ?? 120_000);  //
 
 // The suite's programs have a cache of their own; the browser keeps its fonts in the user's.
 const usersEnvironment = {...process.env};
+// Shaders stay the user's: compiled once, not for each suite.
+process.env.MESA_SHADER_CACHE_DIR ??= join(homedir(), '.cache');
 process.env.XDG_CACHE_HOME = scratch(join('cache', basename(process.argv[1], '_test.js')));
 
 let browser;
