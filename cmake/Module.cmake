@@ -23,9 +23,9 @@ function(wobblebench_flags target)
 endfunction()
 
 # wobblebench_unity(TARGET): compiles the sources of a folder as one, in groups of at most eight, so that their headers
-# are read and their templates instantiated once. Names in anonymous namespaces are therefore unique within a folder.
-# The presets `dev` and `render-only`, and those of clang, compile each source by itself, so that no include is missing
-# where it is used.
+# are read and their templates instantiated once. A folder is one of a room with those below it; of bench/studies, each.
+# Names in anonymous namespaces are therefore unique within it. A source that has a UNITY_GROUP already stays in that.
+# The presets `dev` and `render-only` compile each source by itself, so that no include is missing where it is used.
 option(WOBBLEBENCH_UNITY "Compile the sources of a folder as one" ON)
 function(wobblebench_unity target)
   if(NOT WOBBLEBENCH_UNITY)
@@ -34,8 +34,13 @@ function(wobblebench_unity target)
   get_target_property(sources ${target} SOURCES)
   list(SORT sources)
   foreach(source IN LISTS sources)
-    get_filename_component(folder "${source}" DIRECTORY)
-    string(MAKE_C_IDENTIFIER "${folder}" group)
+    get_source_file_property(group "${source}" UNITY_GROUP)
+    if(NOT group)
+      cmake_path(ABSOLUTE_PATH source NORMALIZE OUTPUT_VARIABLE path)
+      cmake_path(RELATIVE_PATH path BASE_DIRECTORY "${PROJECT_SOURCE_DIR}")
+      string(REGEX MATCH "^(tests/)?(bench/studies(/[^/]+)+|[^/]+(/[^/]+)?)/" folder "${path}")
+      string(MAKE_C_IDENTIFIER "${folder}" group)
+    endif()
     math(EXPR members_${group} "${members_${group}} + 1")
     math(EXPR part "(${members_${group}} - 1) / 8")
     set_property(SOURCE "${source}" PROPERTY UNITY_GROUP "${group}${part}")

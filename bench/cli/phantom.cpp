@@ -27,12 +27,12 @@ namespace wobblebench::bench {
 namespace {
 
 /// Rounded to a nanometre: 0.16 m reads 160 mm.
-double in_mm(double metres) {
+double to_mm(double metres) {
   return std::round(metres * 1e9) / 1e6;
 }
 
-Json in_mm(const glm::dvec3& point_m) {
-  return {in_mm(point_m.x), in_mm(point_m.y), in_mm(point_m.z)};
+Json to_mm(const glm::dvec3& point_m) {
+  return {to_mm(point_m.x), to_mm(point_m.y), to_mm(point_m.z)};
 }
 
 double in_mb(std::uint64_t bytes) {
@@ -52,7 +52,7 @@ Json surface_json(const phantoms::Phantom& phantom, std::size_t index) {
           {"target", surface.is_target},
           {"volume_ml", size ? Json(size->volume_m3 * 1e6) : Json(nullptr)},
           {"surface_cm2", size ? Json(size->area_m2 * 1e4) : Json(nullptr)},
-          {"voxel_mm", in_mm(grid.voxel_m)},
+          {"voxel_mm", to_mm(grid.voxel_m)},
           {"voxels", grid.voxels},
           {"memory_mb", in_mb(grid.bytes)}};
 }
@@ -92,10 +92,10 @@ Json materials_json(const phantoms::Phantom& phantom) {
 
 Json joint_json(const std::optional<phantoms::Joint>& joint) {
   if (!joint) return nullptr;
-  return {{"center_mm", in_mm(joint->center_m)},
-          {"inner_mm", in_mm(joint->inner_m)},
-          {"outer_mm", in_mm(joint->outer_m)},
-          {"mouth_open_mm", joint->mouth ? in_mm(joint->mouth->opening_m) : 0}};
+  return {{"center_mm", to_mm(joint->center_m)},
+          {"inner_mm", to_mm(joint->inner_m)},
+          {"outer_mm", to_mm(joint->outer_m)},
+          {"mouth_open_mm", joint->mouth ? to_mm(joint->mouth->opening_m) : 0}};
 }
 
 /// What the report says of point scatterers, over all keys of all tracks.
@@ -123,14 +123,14 @@ Json scatterers_json(const phantoms::PointScatterers& points) {
   return {{"count", points.size()},
           {"moving", summary.moving},
           {"strongest_db", summary.strongest > 0 ? Json(summary.strongest_db()) : Json(nullptr)},
-          {"low_mm", in_mm(summary.box.low)},
-          {"high_mm", in_mm(summary.box.high)}};
+          {"low_mm", to_mm(summary.box.low)},
+          {"high_mm", to_mm(summary.box.high)}};
 }
 
 /// "(x, y, z)", mm.
 std::string corner_text(const glm::dvec3& point_m) {
   std::ostringstream text;
-  text << "(" << in_mm(point_m.x) << ", " << in_mm(point_m.y) << ", " << in_mm(point_m.z) << ")";
+  text << "(" << to_mm(point_m.x) << ", " << to_mm(point_m.y) << ", " << to_mm(point_m.z) << ")";
   return text.str();
 }
 
@@ -151,7 +151,7 @@ Json landmarks_json(const phantoms::Phantom& phantom) {
   if (phantom.landmarks().empty()) return nullptr;
   Json landmarks = Json::object();
   for (const phantoms::Landmark& landmark : phantom.landmarks()) {
-    landmarks[landmark.name] = in_mm(landmark.position_m);
+    landmarks[landmark.name] = to_mm(landmark.position_m);
   }
   return landmarks;
 }
@@ -172,9 +172,9 @@ Json phantom_json(const phantoms::Phantom& phantom) {
           {"voxels", voxels},
           {"memory_mb", in_mb(bytes)},
           {"region_of_interest_mm",
-           {{"low", in_mm(phantom.region_of_interest().low)},
-            {"high", in_mm(phantom.region_of_interest().high)}}},
-          {"suggested_position_mm", in_mm(phantom.suggested_position_m())},
+           {{"low", to_mm(phantom.region_of_interest().low)},
+            {"high", to_mm(phantom.region_of_interest().high)}}},
+          {"suggested_position_mm", to_mm(phantom.suggested_position_m())},
           {"joint", joint_json(phantom.joint())},
           {"measures", measures_json(phantom)},
           {"landmarks_mm", landmarks_json(phantom)},
@@ -198,7 +198,7 @@ std::string phantom_summary(const phantoms::Phantom& phantom, const std::filesys
     const auto grid = phantoms::grid_memory(phantom, i);
     text << "surface     " << surface.name << ": " << material_name(phantom, surface.inside)
          << " within, " << size_text(phantom, i) << ", " << grid.voxels << " voxels of "
-         << in_mm(grid.voxel_m) << " mm, " << in_mb(grid.bytes) << " MB"
+         << to_mm(grid.voxel_m) << " mm, " << in_mb(grid.bytes) << " MB"
          << (surface.is_target ? ", a target" : "") << "\n";
   }
   text << scatterers_line(phantom.scatterers());
@@ -225,7 +225,7 @@ Table surface_table(const phantoms::Phantom& phantom) {
     table.add({surface.name,
                material_name(phantom, surface.inside),
                surface.is_target ? "yes" : "no",
-               in_mm(grid.voxel_m),
+               to_mm(grid.voxel_m),
                grid.voxels,
                in_mb(grid.bytes)});
   }

@@ -14,7 +14,7 @@ namespace wobblebench::sim {
 
 namespace {
 
-constexpr double kRangeStep_m = 5e-3;
+constexpr double kKernelRangeStep_m = 5e-3;
 constexpr double kAngleStep_rad = 3.3 * kDegree;
 constexpr double kUncorrelated = 0.02;
 constexpr int kSampledLags =
@@ -254,7 +254,7 @@ std::vector<double> taps_of_correlation(const std::vector<double>& correlation) 
 }
 
 SpeckleKernels::SpeckleKernels(const ProbeOptics& optics)
-    : grid_(optics.plan(), kRangeStep_m, kAngleStep_rad),
+    : grid_(optics.plan(), kKernelRangeStep_m, kAngleStep_rad),
       taps_(all_taps(grid_, optics)),
       count_(longest(taps_)) {}
 

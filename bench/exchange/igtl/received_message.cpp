@@ -15,9 +15,9 @@ constexpr int kLatestHeader = 3;
 constexpr std::size_t kMostMetadataBytes = 65536;
 
 /// Reads big-endian numbers one after the other. Throws IgtlRefusal beyond the end.
-class Numbers {
+class BigEndianReader {
  public:
-  explicit Numbers(std::string_view bytes) : bytes_(bytes) {}
+  explicit BigEndianReader(std::string_view bytes) : bytes_(bytes) {}
 
   template <class Unsigned>
   Unsigned whole() {
@@ -61,7 +61,7 @@ bool is_printable(const std::string& text) {
 std::map<std::string, std::string> read_metadata(std::string_view index, std::string_view values) {
   std::map<std::string, std::string> metadata;
   if (index.empty() && values.empty()) return metadata;
-  Numbers entries(index), texts(values);
+  BigEndianReader entries(index), texts(values);
   const auto count = entries.whole<std::uint16_t>();
   for (unsigned i = 0; i < count; ++i) {
     const auto key_bytes = entries.whole<std::uint16_t>();
@@ -73,7 +73,7 @@ std::map<std::string, std::string> read_metadata(std::string_view index, std::st
   return metadata;
 }
 
-std::array<std::uint16_t, 3> three(Numbers& numbers) {
+std::array<std::uint16_t, 3> three(BigEndianReader& numbers) {
   std::array<std::uint16_t, 3> values{};
   for (auto& value : values) value = numbers.whole<std::uint16_t>();
   return values;
@@ -95,7 +95,7 @@ IgtlScalar scalar_of(std::uint8_t number) {
   }
 }
 
-std::uint8_t one_or_two(Numbers& numbers, const char* what) {
+std::uint8_t one_or_two(BigEndianReader& numbers, const char* what) {
   const auto value = numbers.whole<std::uint8_t>();
   if (value == 1 || value == 2) return value;
   throw IgtlRefusal(std::string("has an unknown ") + what + ", " + std::to_string(value));
@@ -104,7 +104,7 @@ std::uint8_t one_or_two(Numbers& numbers, const char* what) {
 }  // namespace
 
 std::optional<ReceivedHeader> read_igtl_header(std::string_view bytes) {
-  Numbers numbers(bytes);
+  BigEndianReader numbers(bytes);
   ReceivedHeader header;
   header.version = numbers.whole<std::uint16_t>();
   header.type = numbers.text(12);
@@ -122,11 +122,11 @@ std::optional<ReceivedHeader> read_igtl_header(std::string_view bytes) {
 ReceivedBody read_igtl_body(const ReceivedHeader& header, std::string_view bytes) {
   if (crc64(bytes) != header.crc) throw IgtlRefusal("has a wrong CRC");
   if (header.version == 1) return {.content = bytes, .metadata = {}};
-  Numbers numbers(bytes);
+  BigEndianReader numbers(bytes);
   const auto extended_bytes = numbers.whole<std::uint16_t>();
   const std::size_t index_bytes = numbers.whole<std::uint16_t>();
   const std::size_t value_bytes = numbers.whole<std::uint32_t>();
-  numbers = Numbers(bytes);
+  numbers = BigEndianReader(bytes);
   numbers.take(extended_bytes);
   const std::string_view rest = numbers.rest();
   if (index_bytes + value_bytes > rest.size()) throw IgtlRefusal("is shorter than it says");
@@ -154,7 +154,7 @@ std::size_t scalar_bytes(IgtlScalar scalar) {
 
 IgtlImage read_igtl_image(std::string_view content) {
   if (content.size() < kImageHeaderBytes) throw IgtlRefusal("is shorter than it says");
-  Numbers numbers(content);
+  BigEndianReader numbers(content);
   numbers.whole<std::uint16_t>();  // version: of the format, which has one
   IgtlImage image;
   image.components = numbers.whole<std::uint8_t>();

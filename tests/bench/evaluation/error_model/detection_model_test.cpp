@@ -11,7 +11,7 @@
 namespace wobblebench::bench {
 namespace {
 
-constexpr TakenTerms kAll = {true, true, true, true, true, true, true, true, true, true, true};
+constexpr TakenTerms kAllTerms = {true, true, true, true, true, true, true, true, true, true, true};
 
 /// Rows of a known bias and spread: bias 0.5 mm - 0.4 lateral + 2 mm contrast, spread
 /// 0.3 mm exp(0.2 beam); every tenth of them 8 mm off, if there are outliers.
@@ -48,7 +48,7 @@ std::vector<ErrorRow> known_rows(int count, bool outliers) {
 }
 
 TEST(DetectionModel, KnownTermsAreRecovered) {
-  const auto model = fit_detection_model(known_rows(20000, false), kAll);
+  const auto model = fit_detection_model(known_rows(20000, false), kAllTerms);
   EXPECT_NEAR(model.bias[kConstantTerm].value, 0.5, 0.05);
   EXPECT_NEAR(model.bias[kLateralTerm].value, -0.4, 0.02);
   EXPECT_NEAR(model.bias[kContrastTerm].value, 2, 0.05);
@@ -63,14 +63,14 @@ TEST(DetectionModel, KnownTermsAreRecovered) {
 }
 
 TEST(DetectionModel, ATermThatDoesNotVaryIsNamedAndHeld) {
-  const auto model = fit_detection_model(known_rows(2000, false), kAll);
+  const auto model = fit_detection_model(known_rows(2000, false), kAllTerms);
   EXPECT_FALSE(model.bias[kBufferTerm].fitted) << "the buffer is the same in all rows";
   EXPECT_EQ(model.bias[kBufferTerm].value, 0);
   EXPECT_TRUE(model.bias[kConstantTerm].fitted);
 }
 
 TEST(DetectionModel, ATermThatIsNotTakenIsHeld) {
-  TakenTerms taken = kAll;
+  TakenTerms taken = kAllTerms;
   taken[kContrastTerm] = false;
   const auto model = fit_detection_model(known_rows(2000, false), taken);
   EXPECT_FALSE(model.bias[kContrastTerm].fitted);
@@ -79,7 +79,7 @@ TEST(DetectionModel, ATermThatIsNotTakenIsHeld) {
 }
 
 TEST(DetectionModel, OutliersDoNotMoveIt) {
-  const auto model = fit_detection_model(known_rows(20000, true), kAll);
+  const auto model = fit_detection_model(known_rows(20000, true), kAllTerms);
   EXPECT_NEAR(model.bias[kLateralTerm].value, -0.4, 0.05);
   EXPECT_NEAR(model.bias[kConstantTerm].value, 0.5, 0.2);
 }
@@ -87,7 +87,7 @@ TEST(DetectionModel, OutliersDoNotMoveIt) {
 TEST(DetectionModel, WithoutTermsPredictsExactlyNothing) {
   const auto rows = known_rows(10, false);
   for (const ErrorRow& row : rows) EXPECT_EQ(DetectionModel{}.bias_m(row.pixel), 0);
-  EXPECT_EQ(fit_detection_model({}, kAll).bias_m(rows[0].pixel), 0);
+  EXPECT_EQ(fit_detection_model({}, kAllTerms).bias_m(rows[0].pixel), 0);
 }
 
 constexpr int kSets = 5;

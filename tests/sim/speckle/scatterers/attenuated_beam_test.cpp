@@ -16,15 +16,15 @@ namespace {
 
 using Stick = std::vector<std::complex<float>>;
 
-const hw::AcquisitionPlan& plan() {
+const hw::AcquisitionPlan& default_plan() {
   static const hw::AcquisitionPlan shared({}, {});
   return shared;
 }
 
 /// By IQ sample, from 1 at the face to `lowest` at the end.
 FrequencyCourse falling_to(float lowest) {
-  const int samples = plan().acquisition().samples_per_stick * iq_oversampling(plan());
-  FrequencyCourse course{plan().acquisition().depth_m / samples, {}};
+  const int samples = default_plan().acquisition().samples_per_stick * iq_oversampling(plan());
+  FrequencyCourse course{default_plan().acquisition().depth_m / samples, {}};
   for (int i = 0; i < samples; ++i) {
     course.ratio.push_back(1 - (1 - lowest) * static_cast<float>(i) / static_cast<float>(samples));
   }
@@ -49,14 +49,14 @@ ScattererField field_of(const hw::AcquisitionPlan& of, const FrequencyCourse& co
 /// Number of contributing scatterers of sticks whose frequency falls.
 std::uint64_t heard(float lowest) {
   const FrequencyCourse course = falling_to(lowest);
-  const ScattererField field = field_of(plan(), course);
+  const ScattererField field = field_of(default_plan(), course);
   const std::size_t samples = course.ratio.size();
   const std::vector<float> remaining(samples, 1.0f);
   std::uint64_t count = 0;
   for (std::uint32_t frame = 10; frame < 28; ++frame) {
     for (std::uint32_t line = 26; line < 38; ++line) {
       Stick iq(samples);
-      const TimedRay stick = stick_ray(plan(), {0, frame, line});
+      const TimedRay stick = stick_ray(default_plan(), {0, frame, line});
       field.add_echoes({stick, course.step_m, remaining, {}, course.ratio}, iq, &count);
     }
   }
