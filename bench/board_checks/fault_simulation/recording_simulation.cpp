@@ -35,13 +35,13 @@ hw::Stick sent_stick(const Scenario& scenario, std::uint64_t sequence) {
   return stick;
 }
 
-void require_rule(bool holds, const std::string& rule) {
+void expect(bool holds, const std::string& rule) {
   if (!holds) throw RuleViolation("recording: " + rule);
 }
 
 void require_equal(std::uint64_t actual, std::uint64_t expected, const std::string& what) {
-  require_rule(actual == expected,
-               std::to_string(actual) + " " + what + ", and there are " + std::to_string(expected));
+  expect(actual == expected,
+         std::to_string(actual) + " " + what + ", and there are " + std::to_string(expected));
 }
 
 bool has_damage(const std::vector<FoundPacket>& packets, std::size_t bytes) {
@@ -269,9 +269,8 @@ std::vector<std::uint64_t> RecordingOracle::in_order(Bytes bytes, bool from_conf
 }
 
 void RecordingOracle::check_kept(Bytes received, Bytes kept, bool killed, int volumes) const {
-  require_rule(
-      kept.size() <= received.size() && std::equal(kept.begin(), kept.end(), received.begin()),
-      "the sink got other bytes than the link sent");
+  expect(kept.size() <= received.size() && std::equal(kept.begin(), kept.end(), received.begin()),
+         "the sink got other bytes than the link sent");
   const auto packets = find(kept);
   if (volumes > 0 &&
       count(packets, hw::PacketKind::volume_end) >= static_cast<std::uint64_t>(volumes)) {
@@ -284,7 +283,7 @@ void RecordingOracle::check_kept(Bytes received, Bytes kept, bool killed, int vo
 }
 
 void RecordingOracle::check_account(Bytes received, const hw::RecordingProgress& progress) const {
-  require_rule(progress.account.balanced(), "its account is not balanced");
+  expect(progress.account.balanced(), "its account is not balanced");
   require_equal(progress.account.delivered, in_order(received, true).size(), "sticks delivered");
 }
 
@@ -295,7 +294,7 @@ void RecordingOracle::check_inspection(Bytes recorded,
     require_equal(0, packets.size(), "packets in what is refused");
     return;
   }
-  require_rule(contents->account.balanced(), "the inspection's account is not balanced");
+  expect(contents->account.balanced(), "the inspection's account is not balanced");
   require_equal(contents->configurations,
                 count(packets, hw::PacketKind::configuration),
                 "configurations inspected");
@@ -321,14 +320,14 @@ std::uint64_t RecordingOracle::check_salvage(Bytes recorded,
     if (packet.kind == hw::PacketKind::stick) sticks.push_back(packet.sequence);
   }
   require_equal(sticks.size(), expected.size(), "sticks salvaged");
-  require_rule(sticks == expected, "other sticks are salvaged than were recorded");
-  require_rule(contents.has_value() && !contents->damaged(), "what is salvaged is damaged");
+  expect(sticks == expected, "other sticks are salvaged than were recorded");
+  expect(contents.has_value() && !contents->damaged(), "what is salvaged is damaged");
   const hw::BoardAccount& account = contents->account;
   require_equal(account.delivered, expected.size(), "sticks of the salvage's account");
   require_equal(account.lost.total(), account.lost.link, "sticks lost in the salvage, by the link");
   require_equal(account.duplicates, 0, "sticks salvaged twice");
-  require_rule(std::equal(salvaged.begin(), salvaged.end(), again.begin(), again.end()),
-               "the salvage of a salvage is another");
+  expect(std::equal(salvaged.begin(), salvaged.end(), again.begin(), again.end()),
+         "the salvage of a salvage is another");
   return sticks.size();
 }
 
