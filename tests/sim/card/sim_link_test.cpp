@@ -3,12 +3,15 @@
 
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <cmath>
+#include <future>
 #include <thread>
 
 #include "hw/board/volume_assembly.h"
 #include "hw/wire/decoder.h"
 #include "hw/wire/packet.h"
+#include "tests/hw/support/collect.h"
 
 namespace wobblebench::sim {
 namespace {
@@ -273,8 +276,6 @@ TEST(SimLink, TheFirstReadStartsTheAcquisition) {
 TEST(SimLink, APauseOfTheReaderDoesNotMoveTheProbesClock) {
   constexpr int kVolumes = 20;
   const auto plan = small_plan(kVolumes);
-  const auto volume = std::chrono::duration_cast<hw::HostClock::duration>(plan.volume_duration());
-  ASSERT_GT(volume, std::chrono::milliseconds(5));
   for (const int ahead : {0, 1, 16}) {
     const auto statistics = std::make_shared<SimLinkStatistics>();
     SimLinkOptions options{.pace = hw::Pace::realtime, .volumes_ahead = ahead};
@@ -283,35 +284,38 @@ TEST(SimLink, APauseOfTheReaderDoesNotMoveTheProbesClock) {
     std::vector<std::byte> buffer(1 << 16);
     ASSERT_EQ(link.read(buffer, hw::HostTime::max()).status, hw::ReadStatus::ok);
     const auto epoch = link.epoch().value();
-    std::this_thread::sleep_for(5 * volume);
+    for (const auto deadline = hw::patience(); statistics->sticks_emitted < 5u * 16 * 9;) {
+      ASSERT_TRUE(hw::HostClock::now() < deadline) << ahead << ": the probe waits for its reader";
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+    EXPECT_GT(statistics->packets_dropped, 4u * 16 * 9 - 60) << ahead;
     while (link.read(buffer, hw::HostTime::max()).status == hw::ReadStatus::ok) {
     }
-    const auto lasted = hw::HostClock::now() - epoch;
-    EXPECT_LT(link.epoch().value() - epoch, volume) << ahead;
-    EXPECT_LT(statistics->late_ms, to_milliseconds(volume)) << ahead;
-    EXPECT_GT(statistics->packets_dropped, 4u * 16 * 9 - 60) << ahead;
+    // On a busy machine a volume may be late.
+    EXPECT_LT(to_milliseconds(link.epoch().value() - epoch), statistics->late_ms + 1e-3) << ahead;
     EXPECT_EQ(statistics->sticks_emitted, kVolumes * 16u * 9) << ahead;
-    EXPECT_LT(lasted, (kVolumes + 2) * volume) << ahead;
   }
 }
 
 TEST(SimLink, CancelDoesNotWaitForAComputation) {
-  const auto plan = small_plan();
-  StickSource slow = blank_sticks(plan);
-  slow.block = [make = slow.block](std::uint64_t first) {
-    std::this_thread::sleep_for(std::chrono::milliseconds(500));
+  std::promise<void> ending;
+  std::atomic<bool> ended = false;
+  StickSource slow = blank_sticks(small_plan());
+  slow.block = [&, make = slow.block, end = ending.get_future().share()](std::uint64_t first) {
+    end.wait_until(hw::patience());
+    ended = true;
     return make(first);
   };
   SimLink link(std::move(slow));
   std::vector<std::byte> buffer(64);
-  const auto start = hw::HostClock::now();
   std::thread canceller([&] {
-    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));  // so that the read waits
     link.cancel();
   });
   EXPECT_EQ(link.read(buffer, hw::HostTime::max()).status, hw::ReadStatus::cancelled);
-  EXPECT_LT(hw::HostClock::now() - start, std::chrono::milliseconds(400));
+  EXPECT_FALSE(ended);
   canceller.join();
+  ending.set_value();
   link.resume();
   EXPECT_EQ(link.read(buffer, hw::HostTime::max()).status, hw::ReadStatus::ok);
 }

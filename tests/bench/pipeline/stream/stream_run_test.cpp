@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <map>
 #include <thread>
 
 #include "bench/pipeline/stream/stream.h"
@@ -39,18 +40,54 @@ class SummingRenderer : public StreamRenderer {
   std::vector<float> sums_;
 };
 
-float sum_of(const hw::AcquisitionPlan& plan, std::uint32_t volume) {
-  SummingRenderer expected(plan, milliseconds(0));
+void add_frames(StreamRenderer& renderer,
+                const hw::AcquisitionPlan& plan,
+                std::uint32_t volume,
+                int frames) {
   hw::PolarVolume made(plan, volume);
   for (int i = 0; i < plan.sticks_per_volume(); ++i) {
     const auto sequence = plan.first_sequence(volume) + static_cast<std::uint64_t>(i);
     made.place(hw::test_stick(plan, sequence));
   }
-  for (int frame = 0; frame < plan.acquisition().frames_per_volume; ++frame) {
-    expected.add_frame(frame, made.frame(frame));
-  }
+  for (int frame = 0; frame < frames; ++frame) renderer.add_frame(frame, made.frame(frame));
+}
+
+/// Of a volume's first frames and, where those are not all, the other frames of the one before.
+float sum_of(const hw::AcquisitionPlan& plan, std::uint32_t volume, int frames) {
+  SummingRenderer expected(plan, milliseconds(0));
+  if (volume > 0) add_frames(expected, plan, volume - 1, plan.acquisition().frames_per_volume);
+  add_frames(expected, plan, volume, frames);
   return expected.render().depth_m.at(0, 0);
 }
+
+/// Sends the next frame of four small volumes when it has been given the one before and none waits,
+/// so that there is time for a picture behind each.
+class FrameByFrame : public SummingRenderer {
+ public:
+  FrameByFrame(const hw::AcquisitionPlan& plan, hw::MemoryLink& link)
+      : SummingRenderer(plan, milliseconds(0)), plan_(plan), link_(link) {}
+
+  double add_frame(int frame, const hw::PolarFrame& samples) override {
+    ++added_;
+    return SummingRenderer::add_frame(frame, samples);
+  }
+  void idle() override {
+    if (sent_ > added_ || sent_ == 3u * 4) return;
+    // A volume begins with its configuration.
+    const auto begin_of = [&](std::uint64_t frame) {
+      const auto index = hw::packet_index(plan_, 4 * frame) - (frame % 3 == 0);
+      return packets_.begin() + static_cast<std::ptrdiff_t>(index);
+    };
+    link_.append(hw::join({begin_of(sent_), begin_of(sent_ + 1)}));
+    ++sent_;
+  }
+
+ private:
+  const hw::AcquisitionPlan& plan_;
+  hw::MemoryLink& link_;
+  const std::vector<hw::Bytes> packets_ = hw::packets_of(plan_);
+  std::uint64_t sent_ = 0, added_ = 0;
+};
 
 StreamSource source_of(hw::Board& board, const hw::AcquisitionPlan& plan) {
   return {
@@ -61,13 +98,12 @@ struct Setting {
   StreamPolicy policy = StreamPolicy::every;
   milliseconds rendering{0}, writing{0};
   std::string faults;
-  bool mid_volume = false;
   std::uint64_t volumes = 0;
 };
 
 struct Streamed {
   StreamResult result;
-  std::vector<std::uint32_t> volumes;  ///< of whole pictures, in the sink's order
+  std::vector<std::uint32_t> volumes;  ///< of the pictures, in the sink's order
 };
 
 Streamed stream(const hw::AcquisitionPlan& plan, const Setting& setting) {
@@ -80,15 +116,12 @@ Streamed stream(const hw::AcquisitionPlan& plan, const Setting& setting) {
   Streamed streamed;
   const PictureSink sink = [&](const ShownPicture& shown) {
     std::this_thread::sleep_for(setting.writing);
-    if (!shown.times.whole) return;
     streamed.volumes.push_back(shown.times.volume);
     if (setting.faults.empty()) {
-      EXPECT_EQ(shown.picture.depth_m.at(0, 0), sum_of(plan, shown.times.volume));
+      EXPECT_EQ(shown.picture.depth_m.at(0, 0), sum_of(plan, shown.times.volume, 3));
     }
   };
-  const StreamOptions options{.queue = {.policy = setting.policy},
-                              .volumes = setting.volumes,
-                              .mid_volume = setting.mid_volume};
+  const StreamOptions options{.queue = {.policy = setting.policy}, .volumes = setting.volumes};
   streamed.result =
       run_stream(source_of(board, plan), renderer, options, sink, [] { return false; });
   EXPECT_TRUE(streamed.result.balanced());
@@ -125,27 +158,56 @@ TEST(Stream, NewestDropsWhatIsOvertakenAndEndsWithTheLast) {
 
 TEST(Stream, FaultsAreCountedAndBlockNothing) {
   const auto plan = hw::small_plan(30);
-  for (const std::string faults : {"drop:0.05",
-                                   "corrupt:0.05",
-                                   "duplicate:0.1",
-                                   "reorder:0.05",
-                                   "truncate:0.05",
-                                   "stall:0.01+stall_ms:30",
-                                   "unplug@100"}) {
+  using Lost = hw::BoardAccount::Lost;
+  for (const auto& [faults, cause] :
+       std::map<std::string, std::uint64_t Lost::*>{{"drop:0.05", &Lost::link},
+                                                    {"corrupt:0.05", &Lost::corrupt},
+                                                    {"duplicate:0.1", nullptr},
+                                                    {"reorder:0.05", &Lost::out_of_order},
+                                                    {"truncate:0.05", &Lost::corrupt},
+                                                    {"stall:0.01+stall_ms:30", nullptr},
+                                                    {"unplug@100", nullptr}}) {
+    // Seven volumes of 14 packets, a configuration and one stick.
+    const bool is_unplugged = faults == "unplug@100";
     for (const auto policy : {StreamPolicy::every, StreamPolicy::newest}) {
       SCOPED_TRACE(faults);
       const Streamed got = stream(plan, {.policy = policy, .faults = faults});
-      EXPECT_EQ(got.result.failure.empty(), faults != "unplug@100") << got.result.failure;
+      EXPECT_EQ(got.result.failure.empty(), !is_unplugged) << got.result.failure;
+      const hw::BoardAccount& account = got.result.account;
+      EXPECT_EQ(account.emitted, is_unplugged ? 85u : 360u);
+      EXPECT_EQ(account.lost.total() > 0, cause != nullptr);
+      EXPECT_TRUE(cause == nullptr || account.lost.*cause > 0);
+      EXPECT_EQ(account.duplicates > 0, faults == "duplicate:0.1");
+      ASSERT_FALSE(got.volumes.empty());
+      EXPECT_EQ(got.volumes.back(), is_unplugged ? 7u : 29u);
+      EXPECT_TRUE(policy == StreamPolicy::newest || got.volumes.size() == got.volumes.back() + 1);
     }
   }
 }
 
 TEST(Stream, MidVolumePicturesComeBetweenWholeOnes) {
-  const auto plan = hw::small_plan(10);
-  const Streamed got = stream(plan, {.mid_volume = true});
-  EXPECT_EQ(got.volumes.size(), 10u);
-  EXPECT_GE(got.result.pictures, 10u);
-  EXPECT_EQ(got.result.records.size(), got.result.pictures);
+  const auto plan = hw::small_plan(4);
+  auto link = std::make_unique<hw::MemoryLink>(
+      hw::Bytes{}, hw::MemoryLinkOptions{.ending = hw::ReadStatus::timeout});
+  FrameByFrame renderer(plan, *link);
+  hw::Board board(std::move(link));
+  int pictures = 0;
+  const PictureSink sink = [&](const ShownPicture& shown) {
+    const int frames = 1 + pictures % 3;
+    const auto volume = static_cast<std::uint32_t>(pictures++ / 3);
+    EXPECT_EQ(shown.times.volume, volume);
+    EXPECT_EQ(shown.times.sticks, 4 * frames);
+    EXPECT_EQ(shown.times.whole, frames == 3);
+    EXPECT_EQ(shown.picture.depth_m.at(0, 0), sum_of(plan, volume, frames));
+  };
+  const StreamOptions options{
+      .queue = {.policy = StreamPolicy::every}, .volumes = 4, .mid_volume = true};
+  const StreamResult got =
+      run_stream(source_of(board, plan), renderer, options, sink, [] { return false; });
+  EXPECT_EQ(pictures, 4 * 3);
+  EXPECT_EQ(got.pictures, 4u * 3);
+  EXPECT_EQ(got.records.size(), 4u * 3);
+  EXPECT_EQ(got.shown.volumes, 4u);
 }
 
 TEST(Stream, EndsAfterAsManyVolumesAsAskedFor) {
