@@ -4,7 +4,6 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <filesystem>
 #include <glm/geometric.hpp>
 #include <map>
 #include <random>
@@ -17,6 +16,7 @@
 #include "phantoms/grids.h"
 #include "phantoms/io/vdb_file.h"
 #include "phantoms/truth.h"
+#include "tests/support/folder_test.h"
 
 namespace wobblebench::phantoms {
 namespace {
@@ -327,17 +327,17 @@ TEST(Landmarks, OfASymmetricFaceAreMirrorImages) {
   EXPECT_LT(points.at("endocanthion_left").x, points.at("exocanthion_left").x);
 }
 
-TEST(LabelFile, HasTheLabelOfEveryVoxel) {
+using LabelFile = testing_support::FolderTest;
+
+TEST_F(LabelFile, HasTheLabelOfEveryVoxel) {
   const Phantom face = make_phantom({.voxel_m = 2e-3});
-  const auto path = std::filesystem::path(testing::TempDir()) / "labels_test.vdb";
-  write_labels(face, path);
-  const VdbFile file = read_vdb(path);
-  std::filesystem::remove(path);
-  ASSERT_EQ(file.grids.size(), 1U);
-  EXPECT_EQ(file.grids[0].name, "part");
-  EXPECT_EQ(file.metadata.metaValue<std::string>("label.4"), "nose");
-  ASSERT_NE(file.grids[0].distances, nullptr);
-  const FloatGrid& grid = *file.grids[0].distances;
+  write_labels(face, file("labels.vdb"));
+  const VdbFile read = read_vdb(file("labels.vdb"));
+  ASSERT_EQ(read.grids.size(), 1U);
+  EXPECT_EQ(read.grids[0].name, "part");
+  EXPECT_EQ(read.metadata.metaValue<std::string>("label.4"), "nose");
+  ASSERT_NE(read.grids[0].distances, nullptr);
+  const FloatGrid& grid = *read.grids[0].distances;
   const LabelFinder finder(face);
   const auto values = grid.getConstAccessor();
   std::mt19937 random(5);

@@ -3,7 +3,6 @@
 #include <openvdb/io/File.h>
 #include <openvdb/openvdb.h>
 #include <sys/resource.h>
-#include <unistd.h>
 
 #include <csignal>
 #include <filesystem>
@@ -17,22 +16,16 @@
 #include "phantoms/float_grid.h"
 #include "phantoms/grids.h"
 #include "phantoms/phantom.h"
+#include "tests/support/folder_test.h"
 
 namespace wobblebench::phantoms {
 namespace {
 
 namespace fs = std::filesystem;
 
-class VdbFile : public testing::Test {
+class VdbFile : public testing_support::FolderTest {
  protected:
-  void SetUp() override {
-    openvdb::initialize();
-    const auto* test = testing::UnitTest::GetInstance()->current_test_info();
-    folder_ = fs::temp_directory_path() /
-              ("wobblebench_vdb_" + std::to_string(getpid()) + "_" + test->name());
-    fs::create_directories(folder_);
-  }
-  void TearDown() override { fs::remove_all(folder_); }
+  void SetUp() override { openvdb::initialize(); }
 
   fs::path file() const { return folder_ / "phantom.vdb"; }
 
@@ -70,8 +63,6 @@ class VdbFile : public testing::Test {
     EXPECT_NE(line.find(words), std::string::npos) << line;
     EXPECT_EQ(line.find('\n'), std::string::npos) << line;
   }
-
-  fs::path folder_;
 };
 
 TEST_F(VdbFile, RoundTrip) {
