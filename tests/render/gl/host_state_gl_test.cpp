@@ -6,6 +6,8 @@
 
 #include <cstring>
 
+#include "render/gl/objects.h"
+#include "render/gl/program.h"
 #include "render/renderer.h"
 #include "tests/render/support/gl_state.h"
 #include "tests/render/support/synthetic.h"
@@ -340,15 +342,17 @@ TEST(HostState, ATimerQueryOfTheHostKeepsRunning) {
   EXPECT_EQ(glGetError(), GLenum{GL_NO_ERROR});
 }
 
-/// The units of the state that is saved are those that programs may use.
+/// The host's textures are saved of the units that a draw may use.
 TEST(HostState, CoversTheUnitsOfAllPrograms) {
   const auto context = make_context();
-  GLint units = 0;
-  glGetIntegerv(GL_MAX_TEXTURE_IMAGE_UNITS, &units);
-  EXPECT_LE(kTextureUnits, units);
-  GLint buffers = 0;
-  glGetIntegerv(GL_MAX_DRAW_BUFFERS, &buffers);
-  EXPECT_LE(kDrawBuffers, buffers);
+  const Texture from("from", TexelFormat::r32f, {1, 1}, TextureFilter::nearest);
+  const Texture to("to", TexelFormat::r32f, {1, 1}, TextureFilter::nearest);
+  const FragmentProgram program(
+      {"smooth.frag.glsl"},
+      Defines().add("BIND_PICTURE", 0).add("HALF_FILTER", 1).add("BILATERAL", 0));
+  const Framebuffer target({&to});
+  EXPECT_NO_THROW(program.draw(target, {{kTextureUnits - 1, &from}}));
+  EXPECT_THROW(program.draw(target, {{kTextureUnits, &from}}), std::logic_error);
 }
 
 }  // namespace
