@@ -20,6 +20,8 @@
 namespace wobblebench::bench {
 namespace {
 
+using testing_support::ScratchFolder;
+
 Image<glm::vec3> ramp(int size) {
   Image<glm::vec3> image(size, size);
   for (int row = 0; row < size; ++row) {
@@ -28,12 +30,6 @@ Image<glm::vec3> ramp(int size) {
     }
   }
   return image;
-}
-
-std::filesystem::path temporary(const std::string& name) {
-  const auto path = std::filesystem::path(testing::TempDir()) / name;
-  std::filesystem::remove(path);  // of a test that was stopped
-  return path;
 }
 
 /// A picture of one colour, and a wide one at that, comes back scaled and with its colour.
@@ -54,7 +50,8 @@ TEST(Encoders, CompressScalesWhatIsLargerThanItMayBe) {
   for (const auto& [width, height, scaled_width, scaled_height] :
        {std::array{1500, 500, 1024, 341}, {300, 2048, 150, 1024}, {1024, 3, 1024, 3}}) {
     const std::string jpeg = compressed(width, height);
-    const auto path = temporary("compressed.jpg");
+    const ScratchFolder folder;
+    const auto path = folder.path() / "compressed.jpg";
     write_new_file(path, {jpeg.data(), jpeg.size()});
     const auto read = OIIO::ImageInput::open(path.string());
     ASSERT_TRUE(read);
@@ -77,7 +74,8 @@ TEST(ImageIo, PngKeepsRowsColumnsAndChannels) {
   Image<glm::vec3> image(7, 5);
   image.at(6, 0) = {1, 0, 0};
   image.at(0, 4) = {0, 0.5f, 1};
-  const auto path = temporary("pixels.png");
+  const ScratchFolder folder;
+  const auto path = folder.path() / "pixels.png";
   write_png(path, image);
   const auto input = OIIO::ImageInput::open(path.string());
   ASSERT_TRUE(input);
@@ -88,7 +86,6 @@ TEST(ImageIo, PngKeepsRowsColumnsAndChannels) {
   EXPECT_EQ(values[6 * 3], 255);
   EXPECT_EQ(values[(4 * 7) * 3 + 1], 128);
   EXPECT_EQ(values[(4 * 7) * 3 + 2], 255);
-  std::filesystem::remove(path);
 }
 
 /// Values by IEC 61966-2-1: 255 (1.055 x^(1/2.4) - 0.055), below 0.0031308 255 x 12.92.
@@ -96,7 +93,8 @@ TEST(ImageIo, LightIsEncodedInSrgbAndTheFileSaysSo) {
   Image<glm::vec3> image(2, 1);
   image.at(0, 0) = {0, 0.002f, 0.0214f};
   image.at(1, 0) = {0.2f, 0.5f, 1};
-  const auto path = temporary("light.png");
+  const ScratchFolder folder;
+  const auto path = folder.path() / "light.png";
   for (const auto& [meaning, expected] :
        {std::pair{Values::light, std::vector<unsigned char>{0, 7, 40, 124, 188, 255}},
         std::pair{Values::display, std::vector<unsigned char>{0, 1, 5, 51, 128, 255}}}) {
@@ -112,13 +110,13 @@ TEST(ImageIo, LightIsEncodedInSrgbAndTheFileSaysSo) {
     bytes << std::ifstream(path, std::ios::binary).rdbuf();
     EXPECT_NE(bytes.str().find("sRGB"), std::string::npos) << "the chunk, not a reader's guess";
   }
-  std::filesystem::remove(path);
 }
 
 TEST(ImageIo, ExrHoldsMillimetresInNamedChannelsAndNanForNone) {
   Image<float> depth(3, 2, 0.0625f), other(3, 2, 0.5f);
   depth.at(2, 1) = kNoSurface;
-  const auto path = temporary("maps.exr");
+  const ScratchFolder folder;
+  const auto path = folder.path() / "maps.exr";
   write_exr(path, {{"Z", &depth}, {"Z_filtered", &other}});
   const auto input = OIIO::ImageInput::open(path.string());
   ASSERT_TRUE(input);
@@ -129,7 +127,6 @@ TEST(ImageIo, ExrHoldsMillimetresInNamedChannelsAndNanForNone) {
   EXPECT_EQ(values[z], 62.5f);
   EXPECT_EQ(values[1 - z], 500.0f);
   EXPECT_TRUE(std::isnan(values[(1 * 3 + 2) * 2 + z]));
-  std::filesystem::remove(path);
 }
 
 TEST(ImageIo, WhatCannotBeWrittenIsNamed) {
@@ -158,7 +155,7 @@ void expect_full_disk_is_said(const std::filesystem::path& path, const Write& wr
 }
 
 TEST(ImageIo, AFullDiskIsSaidHoweverLate) {
-  const testing_support::ScratchFolder scratch;
+  const ScratchFolder scratch;
   for (const int size : {4, 64, 200}) {
     expect_full_disk_is_said(scratch.path() / "a.png",
                              [&](const auto& path) { write_png(path, ramp(size)); });

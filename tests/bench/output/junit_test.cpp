@@ -4,20 +4,19 @@
 #include <gtest/gtest.h>
 
 #include <cstdio>
-#include <filesystem>
-#include <fstream>
 #include <string>
 
 #include "bench/command/limits.h"
 #include "bench/command/run_in_folder.h"
+#include "tests/support/process.h"
 
 namespace wobblebench::bench {
 namespace {
 
 /// What a Python program prints of the XML, which it parses as `suite`.
 std::string python(const std::string& xml, const std::string& program) {
-  const auto file = std::filesystem::path(testing::TempDir()) / "junit_test.xml";
-  std::ofstream(file, std::ios::binary) << xml;
+  const testing_support::ScratchFolder folder;
+  const auto file = folder.write("junit.xml", xml);
   const std::string line = "python3 -c 'import xml.etree.ElementTree as e; s=e.parse(\"" +
                            file.string() + "\").getroot()[0]; " + program + "'";
   std::FILE* pipe = ::popen(line.c_str(), "r");

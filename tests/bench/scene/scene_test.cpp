@@ -6,13 +6,13 @@
 
 #include <cmath>
 #include <filesystem>
-#include <fstream>
 #include <memory>
 #include <nlohmann/json.hpp>
 
 #include "base/user_error.h"
 #include "bench/scene/scene_cost.h"
 #include "phantoms/grids.h"
+#include "tests/support/process.h"
 
 namespace wobblebench::bench {
 namespace {
@@ -21,11 +21,7 @@ namespace fs = std::filesystem;
 
 class SceneFile : public testing::Test {
  protected:
-  fs::path write(const std::string& text) {
-    std::ofstream(path_) << text;
-    return path_;
-  }
-  void TearDown() override { fs::remove(path_); }
+  fs::path write(const std::string& text) { return folder_.write("scene.toml", text); }
 
   /// The message with which a scene of this text is refused; empty if it is not.
   std::string refusal(const std::string& text, const std::vector<std::string>& settings = {}) {
@@ -36,12 +32,10 @@ class SceneFile : public testing::Test {
     }
     return {};
   }
-  std::string file() const { return path_.string(); }
+  std::string file() const { return folder_.path() / "scene.toml"; }
 
  private:
-  const fs::path path_ =
-      fs::path(testing::TempDir()) /
-      (testing::UnitTest::GetInstance()->current_test_info()->name() + std::string(".toml"));
+  const testing_support::ScratchFolder folder_;
 };
 
 TEST_F(SceneFile, DefaultsAreThePapersAndAreValid) {
