@@ -25,3 +25,11 @@ function(wobblebench_tier test)
   endif()
   set_tests_properties("${test}" PROPERTIES LABELS "${labels}" COST ${cost})
 endfunction()
+
+# wobblebench_skipped(TEST REASON [LABELS…]): in the place of a test for which something is absent, one that says so in
+# GoogleTest's words, which script/test-skips looks for.
+function(wobblebench_skipped test reason)
+  add_test(NAME ${test} COMMAND ${CMAKE_COMMAND} -E echo "[  SKIPPED ] ${test}: ${reason} (0 ms)")
+  set_tests_properties(${test} PROPERTIES SKIP_REGULAR_EXPRESSION "SKIPPED")
+  wobblebench_tier(${test} ${ARGN})
+endfunction()
