@@ -20,6 +20,14 @@ def settings(*keys):
     return [word for key in keys for word in ("--set", key)]
 
 
+# Away from all axes and from the middle of the depth, so that no axis can be exchanged or mirrored unseen.
+BALL, RADIUS = np.array([14.0, -9.0, 106.0]), 18.0
+BALL_SCENE = settings("phantom.name=sphere", f"phantom.radius_mm={RADIUS}",
+                      f"placement.position_mm={BALL.tolist()}", *SMALL_SCAN)
+# Each volume is then the same, and samples vary as the beam lets them.
+SMOOTH = settings("simulation.speckle=false", "simulation.noise_db=-200")
+
+
 def run(*arguments, code=0):
     """stdout and stderr; the exit code must be the expected one."""
     done = subprocess.run([PROGRAM, *map(str, arguments)], capture_output=True, text=True, check=False)
@@ -56,3 +64,10 @@ def positions(theta_deg, motor_deg, range_mm, radius_mm, wobble_radius_mm):
                              [0, np.sin(angle), np.cos(angle)]])
             turned[f, l] = (plane[0, l] - axis) @ turn.T + axis
     return turned
+
+
+def off_ball(scan):
+    """Of a file's first volume, how far each sample lies outside the ball, in mm; by closed forms."""
+    at = positions(scan["theta_deg"], scan["motor_angle_deg"][0], scan["range_mm"],
+                   float(scan["radius_mm"]), float(scan["wobble_radius_mm"]))
+    return np.linalg.norm(at - BALL, axis=-1) - RADIUS
