@@ -22,6 +22,10 @@ namespace {
 
 namespace fs = std::filesystem;
 
+/// Longer than any program under test takes, and shorter than CTest waits: one that hangs is ended
+/// by SIGALRM, and not left behind.
+constexpr unsigned kLongestRun_s = 600;
+
 void redirect(const fs::path& path, int descriptor) {
   const FileDescriptor file(::open(path.c_str(), O_CREAT | O_TRUNC | O_WRONLY, 0644));
   ::dup2(file.get(), descriptor);
@@ -61,6 +65,7 @@ void keep_shaders_of_user() {
   argv.push_back(nullptr);
   for (const auto& [name, value] : limits.environment) ::setenv(name.c_str(), value.c_str(), 1);
   for (const int stream : limits.closed) ::close(stream);
+  ::alarm(kLongestRun_s);
   if (::chdir(directory.c_str()) == 0) ::execv(program.c_str(), argv.data());
   ::_exit(127);
 }
@@ -74,7 +79,8 @@ int wait_for(pid_t child, const ProcessLimits& limits) {
       ::kill(child, limits.signal);
       break;
     }
-    std::this_thread::yield();
+    // The program needs the cores.
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
   }
   if (limits.interrupt_after) {
     std::this_thread::sleep_for(*limits.interrupt_after);
