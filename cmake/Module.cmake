@@ -94,11 +94,12 @@ function(wobblebench_install_library target component)
   install(TARGETS ${target} EXPORT wobblebench-${component} ARCHIVE COMPONENT ${package})
 endfunction()
 
-# wobblebench_test(NAME SOURCES a_test.cpp … LIBS lib … [NIGHTLY Suite …]): one GoogleTest
+# wobblebench_test(NAME SOURCES a_test.cpp … LIBS lib … [NIGHTLY Suite …] [SERIAL Suite …]): one GoogleTest
 # program; each of its suites is a CTest test. Not each case: a process loads some 50 shared libraries first, and what a
-# suite's cases share is made once. NIGHTLY: suites that take too long for each change.
+# suite's cases share is made once. NIGHTLY: suites that take too long for each change. SERIAL: suites that are held to
+# deadlines of milliseconds, and therefore run without others beside them.
 function(wobblebench_test name)
-  cmake_parse_arguments(PARSE_ARGV 1 arg "" "" "SOURCES;LIBS;NIGHTLY")
+  cmake_parse_arguments(PARSE_ARGV 1 arg "" "" "SOURCES;LIBS;NIGHTLY;SERIAL")
   set(seconds 900)
   if(WOBBLEBENCH_SANITIZE)
     set(seconds 3000)  # some cases take ten times as long
@@ -110,7 +111,7 @@ function(wobblebench_test name)
   set(suites "${CMAKE_CURRENT_BINARY_DIR}/${name}_suites.cmake")
   add_custom_command(TARGET ${name} POST_BUILD BYPRODUCTS "${suites}"
     COMMAND "${CMAKE_COMMAND}" "-DPROGRAM=$<TARGET_FILE:${name}>" "-DNAME=${name}" "-DTIMEOUT=${seconds}"
-      "-DNIGHTLY=${arg_NIGHTLY}" "-DTIERS=${PROJECT_SOURCE_DIR}/cmake/TestTiers.cmake" "-DOUTPUT=${suites}"
+      "-DNIGHTLY=${arg_NIGHTLY}" "-DSERIAL=${arg_SERIAL}" "-DTIERS=${PROJECT_SOURCE_DIR}/cmake/TestTiers.cmake" "-DOUTPUT=${suites}"
       -P "${PROJECT_SOURCE_DIR}/cmake/ListSuites.cmake" VERBATIM)
   set_property(DIRECTORY APPEND PROPERTY TEST_INCLUDE_FILES "${suites}")
 endfunction()

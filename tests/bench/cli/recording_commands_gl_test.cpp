@@ -428,10 +428,11 @@ TEST_F(WithRecording, AFullDiskKeepsWhatWasRecordedAndSaysWhere) {
   EXPECT_EQ(bench({"inspect", "s.wbst"}, folder_).exit_code, 0);
 }
 
-/// The emulated driver of the card: by FUSE where it can be mounted, and by a FIFO anywhere.
-TEST_F(WithRecording, TheEmulatorsConform) {
+/// The driver of the card: by FUSE where it can be mounted, and by a FIFO anywhere.
+TEST(EmulatedDriver, Conforms) {
+  const ScratchFolder folder;
   const auto conformance = [&](const std::string& board) {
-    return bench(with({"conformance", "--board", board}, {kSphere, kScan}), folder_);
+    return bench(with({"conformance", "--board", board}, {kSphere, kScan}), folder);
   };
   const auto fifo = conformance("xdma=fifo-stand-in");
   EXPECT_EQ(fifo.exit_code, 0) << fifo.out;
