@@ -284,7 +284,8 @@ TEST(SimLink, APauseOfTheReaderDoesNotMoveTheProbesClock) {
     std::vector<std::byte> buffer(1 << 16);
     ASSERT_EQ(link.read(buffer, hw::HostTime::max()).status, hw::ReadStatus::ok);
     const auto epoch = link.epoch().value();
-    for (const auto deadline = hw::patience(); statistics->sticks_emitted < 5u * 16 * 9;) {
+    for (const auto deadline = hw::patience();
+         statistics->sticks_emitted < std::uint64_t{5} * 16 * 9;) {
       ASSERT_TRUE(hw::HostClock::now() < deadline) << ahead << ": the probe waits for its reader";
       std::this_thread::sleep_for(std::chrono::milliseconds(1));
     }

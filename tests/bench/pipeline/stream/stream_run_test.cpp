@@ -72,7 +72,7 @@ class FrameByFrame : public SummingRenderer {
     return SummingRenderer::add_frame(frame, samples);
   }
   void idle() override {
-    if (sent_ > added_ || sent_ == 3u * 4) return;
+    if (sent_ > added_ || sent_ == 12) return;
     // A volume begins with its configuration.
     const auto begin_of = [&](std::uint64_t frame) {
       const auto index = hw::packet_index(plan_, 4 * frame) - (frame % 3 == 0);
