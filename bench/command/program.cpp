@@ -74,6 +74,13 @@ std::string unknown_word(const CLI::App& app, int argc, char** argv) {
   return unknown_option(app, argc, argv);
 }
 
+/// CLI11's reason; of `--json=1` in words that name the option.
+std::string reason_of(const CLI::ParseError& error) {
+  const std::string reason = error.what();
+  const auto end = reason.find(" was given a disallowed flag override");
+  return end == std::string::npos ? reason : "--" + reason.substr(0, end) + ": takes no value";
+}
+
 int parse_and_run(const Program& program, int argc, char** argv) {
   CLI::App app{program.description, program.name};
   app.set_version_flag("--version", version_line(program.name), "Print name, version and commit");
@@ -85,7 +92,7 @@ int parse_and_run(const Program& program, int argc, char** argv) {
     return app.exit(answer);
   } catch (const CLI::ParseError& error) {
     const std::string unknown = unknown_word(app, argc, argv);
-    throw UserError((unknown.empty() ? error.what() : unknown) + " (" + program.name +
+    throw UserError((unknown.empty() ? reason_of(error) : unknown) + " (" + program.name +
                     " --help lists what it takes)");
   }
   const auto named = std::find_if(

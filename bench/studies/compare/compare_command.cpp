@@ -10,6 +10,7 @@
 #include "bench/command/common_options.h"
 #include "bench/command/run_in_folder.h"
 #include "bench/output/report.h"
+#include "bench/scene/scene.h"
 #include "bench/studies/compare/compare_document.h"
 #include "bench/studies/compare/compared_side.h"
 
@@ -108,6 +109,14 @@ void refuse_alone(const Arguments& arguments, const ComparedSide& base) {
   if (!arguments.limits.empty()) throw UserError("--limits: without effect: there is no NEW");
 }
 
+/// Before any run: reads each scene as this program will. Another program may have other options.
+void refuse_wrong_settings(const Measurement& all) {
+  for (const ComparedSide* side : {&all.base, &all.now}) {
+    if (!side->program || side->text != "this") continue;
+    for (const ComparedScene& scene : all.scenes) load_scene(scene.file, side->program->settings);
+  }
+}
+
 Measurement planned(const Arguments& arguments) {
   const auto with = [&](const std::vector<std::string>& own) {
     return joined(arguments.settings, own);
@@ -195,6 +204,7 @@ int compare(const Arguments& arguments) {
   const std::vector<ChangeLimit> limits =
       arguments.limits.empty() ? default_change_limits() : read_change_limits(arguments.limits);
   Measurement all = planned(arguments);
+  refuse_wrong_settings(all);
 
   const auto work = [&](OutputFolder& out, Progress& progress) {
     const auto judge = [&](const char* step) {

@@ -1,6 +1,7 @@
 // What both programs answer on their standard streams, whatever they are asked.
 #include <gtest/gtest.h>
 
+#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <csignal>
 #include <filesystem>
@@ -8,6 +9,7 @@
 #include <regex>
 
 #include "base/text.h"
+#include "bench/command/commands.h"
 #include "tests/bench/cli/program_under_test.h"
 
 namespace wobblebench::bench {
@@ -66,10 +68,9 @@ TEST(Answers, HelpOfEveryCommandIsNoError) {
   const ScratchFolder folder;
   const auto all = bench({"--help"}, folder);
   EXPECT_EQ(all.exit_code, 0);
-  for (const char* const command :
-       {"run",      "score", "stream",   "latency",  "record", "inspect",  "conformance",
-        "rehearse", "board", "stand-in", "phantom",  "tables", "modes",    "validate",
-        "rungs",    "trade", "tune",     "accuracy", "fit",    "extremes", "dataset"}) {
+  CLI::App app;
+  for (const Command& one : wobblebench_program().add_commands(app)) {
+    const std::string command = one.parser->get_name();
     EXPECT_NE(all.out.find(std::string("\n  ") + command + " "), std::string::npos) << command;
     for (const char* const help : {"-h", "--help"}) {
       const auto result = bench({command, help}, folder);

@@ -4,13 +4,17 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <array>
 #include <fstream>
 #include <functional>
+#include <map>
 #include <optional>
 #include <random>
+#include <set>
 #include <sstream>
 #include <stdexcept>
 
+#include "bench/exchange/files/npy.h"
 #include "tests/bench/cli/wrong_values.h"
 #include "tests/bench/studies/tables/recording.h"
 
@@ -132,17 +136,40 @@ std::string name_of(const CLI::Option& option) {
   return option.get_positional() ? option.get_name() : "--" + option.get_lnames().front();
 }
 
-std::string right_value(const CLI::Option& option) {
-  const std::string name = name_of(option);
-  if (name == "--board") return "file=whole.wbst";
-  if (name == "RECORDING") return "whole.wbst";
-  if (name == "FOLDER") return "folder";
-  if (name == "--gl") return "osmesa";
-  if (name == "--set") return "phantom.name=sphere";
-  if (name == "--study") return "shear";
-  if (name == "--shard") return "1/2";
-  if (name == "PLAN") return "plan.toml";
-  return is_number(option) ? "1" : "right";
+/// A value that is refused for nothing; none where the line had to be another.
+std::optional<std::string> right_value(const CLI::Option& option) {
+  static const std::map<std::string, std::string> values = {{"--board", "file=whole.wbst"},
+                                                            {"RECORDING", "whole.wbst"},
+                                                            {"FOLDER", "folder"},
+                                                            {"--gl", "osmesa"},
+                                                            {"--set", "phantom.name=sphere"},
+                                                            {"--study", "shear"},
+                                                            {"--shard", "1/2"},
+                                                            {"PLAN", "plan.toml"},
+                                                            {"FILE", "right.npy"},
+                                                            {"--scene", "right.toml"},
+                                                            {"BASE", "this"},
+                                                            {"NEW", "this"},
+                                                            {"FROM", "right.toml"},
+                                                            {"--to", "right.npz"},
+                                                            {"--unit", "mm"},
+                                                            {"--limit", "p95_mm<=2"},
+                                                            {"--kind", "ray"}};
+  static const std::set<std::string> unfit = {"--no-cache", "--gpu", "--requests"};
+  if (unfit.contains(name_of(option))) return {};
+  if (is_flag(option)) return "";
+  if (is_number(option)) return std::to_string(std::max(1L, range_of(option).first));
+  const auto found = values.find(name_of(option));
+  return found == values.end() ? std::nullopt : std::optional(found->second);
+}
+
+/// What a refusal of the value holds: the name of the option; of a word without one the word, if it
+/// is printed as it is.
+std::string words_about(const CLI::Option& option, const std::string& value = "") {
+  if (!option.get_positional() || value.empty()) return name_of(option);
+  const bool printable =
+      std::all_of(value.begin(), value.end(), [](char c) { return c > ' ' && c <= '~'; });
+  return printable ? value : "";
 }
 
 }  // namespace
@@ -152,6 +179,9 @@ void make_named_files(const fs::path& folder) {
     std::ofstream(folder / name) << text;
   };
   write("whole.wbst", recording_of(recorded_plan()));
+  write("right.toml", "[phantom]\nname = \"sphere\"\n");
+  write("right.npy",
+        npy_bytes(std::array<std::uint64_t, 2>{512, 512}, std::vector<float>(512 * 512)));
   write("plan.toml", "[scenes.ball]\n[axes]\n\"render.ray_casting.steps\" = [64, 128]\n");
   write("wrong_key.toml", "[acquisition]\ndeptn_mm = 100\n");
   write("wrong_type.toml", "[acquisition]\nsticks_per_frame = \"many\"\n");
@@ -218,16 +248,21 @@ class BadLines::Impl {
                     const std::string& why,
                     const CLI::Option* about = nullptr,
                     bool at_end = false) {
+    static const std::set<std::string> needed = {"--limit", "--to"};  // of tune, score; of export
     std::vector<Words> parts;
     std::size_t positionals = 0;
     for (const CLI::Option* option : options([](const CLI::Option&) { return true; })) {
       if (option == about) continue;
-      const bool wanted =
-          option->get_required() || (!option->get_positional() && name_of(*option) != "--full" &&
-                                     name_of(*option) != "--salvage" && dice_.chance(0.2));
+      const bool wanted = option->get_required() || needed.contains(name_of(*option)) ||
+                          (!option->get_positional() && name_of(*option) != "--full" &&
+                           name_of(*option) != "--salvage" && dice_.chance(0.2));
       if (!wanted) continue;
-      const Words words =
-          is_flag(*option) ? Words{name_of(*option)} : given(*option, right_value(*option));
+      const auto value = right_value(*option);
+      if (!value) {
+        if (option->get_required()) throw std::logic_error(name_of(*option) + ": no right value");
+        continue;
+      }
+      const Words words = is_flag(*option) ? Words{name_of(*option)} : given(*option, *value);
       const bool first = option->get_positional();
       parts.insert(first ? parts.begin() + static_cast<long>(positionals) : parts.end(), words);
       if (first) ++positionals;
@@ -238,7 +273,7 @@ class BadLines::Impl {
     const std::size_t place = at_end ? parts.size() : first + dice_.below(parts.size() - first + 1);
     const bool keep_place = about && about->get_positional();
     parts.insert(parts.begin() + static_cast<long>(keep_place ? first : place), wrong);
-    BadLine line{{}, why};
+    BadLine line{{}, why, about ? words_about(*about) : ""};
     if (has_subcommands()) line.words.push_back(command_->get_name());
     for (const Words& part : parts) line.words.insert(line.words.end(), part.begin(), part.end());
     return line;
@@ -253,17 +288,23 @@ class BadLines::Impl {
   std::optional<BadLine> value_of(const std::string& name, const Words& values, const char* why) {
     const CLI::Option* option = option_named(name);
     if (!option) return {};
-    return line_with(given(*option, dice_.one_of(values)), name + ": " + why, option);
+    const std::string& value = dice_.one_of(values);
+    BadLine line = line_with(given(*option, value), name + ": " + why, option);
+    line.says = words_about(*option, value);
+    // Of a setting a plan's refusal may name the scene of the plan; a data set has another plan.
+    if (name == "--set" && option_named("PLAN")) line.says = "";
+    if (command_->get_name() == "dataset") line.says = "";
+    return line;
   }
 
   std::optional<BadLine> unknown_command() {
     if (!has_subcommands()) return {};
     const Words words = {dice_.letters(1 + dice_.below(12)) + "x", "", "Run", "\xff", "-", "run "};
-    BadLine line{{dice_.one_of(words)}, "unknown command"};
+    BadLine line{{dice_.one_of(words)}, "unknown command", ""};
     if (dice_.chance(0.5)) line.words.push_back("--json");
     return line;
   }
-  std::optional<BadLine> nothing_at_all() { return BadLine{{}, "nothing"}; }
+  std::optional<BadLine> nothing_at_all() { return BadLine{{}, "nothing", ""}; }
   std::optional<BadLine> unknown_option() {
     const Words words = {"--" + dice_.letters(3 + dice_.below(20)) + "-x",
                          "-z",
@@ -271,7 +312,10 @@ class BadLines::Impl {
                          "--json-",
                          "--out-of",
                          "--=5"};
-    return line_with({dice_.one_of(words)}, "unknown option");
+    const std::string& word = dice_.one_of(words);
+    BadLine line = line_with({word}, "unknown option");
+    if (word != "--\xff") line.says = word;
+    return line;
   }
   std::optional<BadLine> missing_value() {
     const auto* option =
@@ -281,11 +325,11 @@ class BadLines::Impl {
   }
   std::optional<BadLine> repeated_option() {
     const auto* option = any_option([](const CLI::Option& one) {
-      return !is_flag(one) && !is_list(one) && !one.get_positional();
+      return !is_flag(one) && !is_list(one) && !one.get_positional() && right_value(one);
     });
     if (!option) return {};
-    Words twice = given(*option, right_value(*option));
-    const Words again = given(*option, right_value(*option));
+    Words twice = given(*option, *right_value(*option));
+    const Words again = given(*option, *right_value(*option));
     twice.insert(twice.end(), again.begin(), again.end());
     return line_with(twice, name_of(*option) + " twice", option);
   }
@@ -302,7 +346,10 @@ class BadLines::Impl {
     const auto [min, max] = range_of(*option);
     values.push_back(std::to_string(min - 1));
     values.push_back(max > 0 ? std::to_string(max + 1) : "18446744073709551616");
-    return line_with(given(*option, dice_.one_of(values)), "wrong " + name_of(*option), option);
+    const std::string& value = dice_.one_of(values);
+    BadLine line = line_with(given(*option, value), "wrong " + name_of(*option), option);
+    if (value.starts_with("--")) line.says = value;  // an option that is unknown
+    return line;
   }
   std::optional<BadLine> wrong_setting() { return value_of("--set", settings_, "wrong"); }
   std::optional<BadLine> wrong_board() { return value_of("--board", boards_, "wrong"); }

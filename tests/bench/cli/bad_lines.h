@@ -14,6 +14,7 @@ namespace wobblebench::bench::testing {
 struct BadLine {
   std::vector<std::string> words;  ///< without the program's name
   std::string why;
+  std::string says;  ///< what the refusal must hold: the option or the file that is wrong
 };
 
 /// Makes the files that lines name in the folder where they are run: wrong scenes, a whole
