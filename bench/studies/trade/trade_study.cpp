@@ -19,21 +19,17 @@ namespace {
 
 namespace fs = std::filesystem;
 
-Scene load(const TradePlan& plan,
-           const NamedOptions& scene,
-           std::vector<std::string> settings,
-           const std::vector<std::string>& more) {
-  settings.insert(settings.begin(), scene.settings.begin(), scene.settings.end());
-  settings.insert(settings.end(), more.begin(), more.end());
-  const std::string source = plan.source + " (scene " + scene.name + ")";
-  Scene read = load_scene(scene.file, settings, source);
+Scene load(const TradeWork& work, std::size_t number, const std::vector<std::string>& of_point) {
+  const NamedOptions& scene = work.plan.scenes[number];
+  const std::string source = work.plan.source + " (scene " + scene.name + ")";
+  Scene read = load_scene(scene.file, work.settings(number, of_point), source);
   check_memory_of_run(read, available_memory_bytes());
   if (!read.picture.correction.empty()) {
     refuse_plan(
         source, "render.correction", "must be empty; `run` corrects pictures, a study does not");
   }
   check_program(read.picture);
-  if (plan.of_one_scene) return read;
+  if (work.plan.of_one_scene) return read;
   if (read.acquisition.volumes != 1) {
     refuse_plan(source, "acquisition.volumes", "must be 1; one volume is rendered");
   }
@@ -84,26 +80,32 @@ std::string slice_values(const TradePlan& plan, const TradePoint& point) {
 }  // namespace
 
 Scene TradeWork::scene(std::size_t scene, const TradePoint& point) const {
-  return load(plan, plan.scenes[scene], settings_of(plan, point), more);
+  return load(*this, scene, settings_of(plan, point));
 }
 
 Scene TradeWork::reference(std::size_t scene) const {
-  return load(plan, plan.scenes[scene], plan.reference.settings, more);
+  return load(*this, scene, plan.reference.settings);
 }
 
 std::optional<Scene> TradeWork::without_point(std::size_t scene,
-                                              const std::vector<std::string>& settings) const {
+                                              const std::vector<std::string>& others) const {
   try {
-    return load(plan, plan.scenes[scene], settings, more);
+    return load(*this, scene, others);
   } catch (const UserError&) {
     return std::nullopt;
   }
 }
 
+std::vector<std::string> TradeWork::settings(std::size_t scene,
+                                             const std::vector<std::string>& of_point) const {
+  std::vector<std::string> all = plan.scenes[scene].settings;
+  all.insert(all.end(), of_point.begin(), of_point.end());
+  all.insert(all.end(), more.begin(), more.end());
+  return all;
+}
+
 std::string TradeWork::run_command(std::size_t scene, std::size_t point) const {
-  std::vector<std::string> settings = plan.scenes[scene].settings;
-  for (const std::string& setting : settings_of(plan, points[point])) settings.push_back(setting);
-  settings.insert(settings.end(), more.begin(), more.end());
+  auto settings = this->settings(scene, settings_of(plan, points[point]));
   settings.push_back("simulation.seed=" + std::to_string(plan.seeds.front()));
   return run_command_line(plan.scenes[scene].file, settings);
 }
@@ -111,14 +113,13 @@ std::string TradeWork::run_command(std::size_t scene, std::size_t point) const {
 std::vector<fs::path> TradeWork::files() const {
   std::vector<fs::path> files;
   for (std::size_t i = 0; i < plan.scenes.size(); ++i) {
-    const NamedOptions& scene = plan.scenes[i];
-    if (!scene.file.empty()) files.push_back(scene.file);
+    if (!plan.scenes[i].file.empty()) files.push_back(plan.scenes[i].file);
     add_files(reference(i), files);
     if (const auto of_points = without_point(i)) add_files(*of_points, files);
     for (const TradeAxis& axis : plan.axes) {
       if (!axis.is_of_files()) continue;
       for (const std::string& level : axis.levels) {
-        add_files(load(plan, scene, {axis.key + "=" + level}, more), files);
+        add_files(load(*this, i, {axis.key + "=" + level}), files);
       }
     }
   }
@@ -153,7 +154,7 @@ void check_trade(const TradeWork& work) {
       std::vector<std::string> levels = axis.levels;
       if (axis.range) levels = {std::to_string(axis.range->from), std::to_string(axis.range->to)};
       for (const std::string& level : levels) {
-        load(work.plan, work.plan.scenes[scene], {axis.key + "=" + level}, work.more);
+        load(work, scene, {axis.key + "=" + level});
       }
     }
   }

@@ -26,10 +26,13 @@ struct TradeWork {
 
   /// The scene as a point sets it. Throws UserError.
   Scene scene(std::size_t scene, const TradePoint& point) const;
+  /// What is set in the scene's file for a point that has these settings.
+  std::vector<std::string> settings(std::size_t scene,
+                                    const std::vector<std::string>& of_point) const;
   Scene reference(std::size_t scene) const;
   /// The scene with these settings in place of a point's; none where it is refused.
   std::optional<Scene> without_point(std::size_t scene,
-                                     const std::vector<std::string>& settings = {}) const;
+                                     const std::vector<std::string>& others = {}) const;
   /// The command that makes the picture of a point on a scene, with the plan's first seed.
   std::string run_command(std::size_t scene, std::size_t point) const;
   /// The files that scenes and axes name, in the order of the plan.

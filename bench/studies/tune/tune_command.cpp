@@ -209,7 +209,9 @@ int tune(const Arguments& arguments) {
     });
     const Document document = tune_document(results, journal.machines());
     const bool found = results.chosen() != nullptr;
-    if (found) out.write_text("tuned.toml", tuned_scene(results));
+    for (std::size_t i = 0; found && i < work.plan.scenes.size(); ++i) {
+      out.write_text(tuned_file(results, i), tuned_scene(results, i));
+    }
     return {.report =
                 report_of(work, "tune", tune_json(results), provenance, journal, progress.times()),
             .exit_code = found ? kDone : kFailed,

@@ -2,12 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <nlohmann/json.hpp>
 #include <sstream>
 
 #include "base/number_text.h"
 #include "bench/output/report_parts.h"
+#include "bench/scene/scene_text.h"
 #include "bench/studies/trade/trade_report.h"
 
 namespace wobblebench::bench {
@@ -172,7 +172,7 @@ std::string nothing_chosen_text(const TuneResults& results) {
 
 std::string chosen_text(const TuneResults& results, std::size_t point) {
   std::string text = "Point " + std::to_string(point) + ": " + point_text(results.work, point) +
-                     ". As a scene file: `tuned.toml`.\n";
+                     ". As a scene file: `" + tuned_file(results, 0) + "`.\n";
   for (const std::string& key : results.at_an_end) {
     text += "\n- `" + key +
             "` is at an end of what the plan allows; beyond it may lie something better.";
@@ -266,29 +266,26 @@ std::string request_text(const TuneRequest& request) {
   return text;
 }
 
-std::string tuned_scene(const TuneResults& results) {
+std::string tuned_file(const TuneResults& results, std::size_t scene) {
+  const auto& scenes = results.work.plan.scenes;
+  return scenes.size() == 1 ? "tuned.toml" : "tuned_" + scenes.at(scene).name + ".toml";
+}
+
+std::string tuned_scene(const TuneResults& results, std::size_t scene) {
   const TuneCandidate& chosen = *results.chosen();
-  const TradePlan& plan = results.work.plan;
-  std::map<std::string, std::vector<std::string>> sections;
-  for (std::size_t i = 0; i < plan.axes.size(); ++i) {
-    const std::string& key = plan.axes[i].key;
-    const auto dot = key.rfind('.');
-    sections[key.substr(0, dot)].push_back(key.substr(dot + 1) + " = " +
-                                           results.work.points[chosen.point].values[i]);
-  }
+  const TradeWork& work = results.work;
   std::ostringstream toml;
   toml << "# `wobblebench tune`, " << request_text(results.options.request) << "; on "
-       << results.fresh_seeds.size() << " fresh seeds of simulated sticks:";
+       << results.fresh_seeds.size()
+       << " fresh seeds of simulated sticks, mean of the plan's scenes:";
   for (const TuneLimit& limit : results.options.request.limits) {
     toml << " " << limit.name << " " << significant(quantity_of(*chosen.fresh, limit.name), 3)
          << ",";
   }
   const std::string& least = results.options.request.least;
-  toml << " " << least << " " << significant(quantity_of(*chosen.fresh, least), 3) << ".\n";
-  for (const auto& [section, lines] : sections) {
-    toml << "\n[" << section << "]\n";
-    for (const std::string& line : lines) toml << line << "\n";
-  }
+  toml << " " << least << " " << significant(quantity_of(*chosen.fresh, least), 3) << ".\n\n"
+       << scene_text(work.plan.scenes[scene].file,
+                     work.settings(scene, settings_of(work.plan, work.points[chosen.point])));
   return toml.str();
 }
 

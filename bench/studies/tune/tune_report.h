@@ -1,4 +1,4 @@
-// What `tune` found, as a document, report.json and the scene file tuned.toml.
+// What `tune` found, as a document, report.json and scene files.
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>
@@ -16,8 +16,10 @@ nlohmann::ordered_json tune_json(const TuneResults& results);
 /// "point 3 (iso_level 0.5, steps 32): p95_mm 2.4 of at most 2 (20 % above), …"; empty: none is
 /// known.
 std::string nearest_text(const TuneResults& results);
-/// The chosen settings as a scene file. `results.chosen()` must be one.
-std::string tuned_scene(const TuneResults& results);
+/// tuned.toml; of a plan with several scenes tuned_NAME.toml.
+std::string tuned_file(const TuneResults& results, std::size_t scene);
+/// A scene of the plan with the chosen settings, as a scene file. `results.chosen()` must be one.
+std::string tuned_scene(const TuneResults& results, std::size_t scene);
 
 /// "least volume_ms with p95_mm <= 2 and missed_percent <= 5".
 std::string request_text(const TuneRequest& request);
