@@ -80,18 +80,17 @@ TEST_F(Tolerance, LeavesTheKeysThatTheSceneNames) {
 }
 
 TEST_F(Tolerance, ChoosesTheSameFromWhatWasMeasuredBeforeForAnother) {
-  for (const char* tolerance : {"3mm", "20mm"}) {
-    const auto known = run(tolerance), anew = run(tolerance, {"--no-cache"});
-    const Json of_known = Json::parse(known.out).at("tolerance"),
-               of_new = Json::parse(anew.out).at("tolerance");
-    for (const char* key : {"chosen", "rung", "promised"}) {
-      EXPECT_EQ(of_known.at(key), of_new.at(key)) << tolerance << " " << key;
-    }
-    ASSERT_EQ(of_known.at("rungs").size(), of_new.at("rungs").size());
-    for (std::size_t i = 0; i < of_new.at("rungs").size(); ++i) {
-      EXPECT_EQ(of_known.at("rungs")[i].at("difference_mm"),
-                of_new.at("rungs")[i].at("difference_mm"));
-    }
+  ASSERT_EQ(run("20mm").exit_code, 0);
+  const auto known = run("3mm"), anew = run("3mm", {"--no-cache"});
+  const Json of_known = Json::parse(known.out).at("tolerance"),
+             of_new = Json::parse(anew.out).at("tolerance");
+  for (const char* key : {"chosen", "rung", "promised"}) {
+    EXPECT_EQ(of_known.at(key), of_new.at(key)) << key;
+  }
+  ASSERT_EQ(of_known.at("rungs").size(), of_new.at("rungs").size());
+  for (std::size_t i = 0; i < of_new.at("rungs").size(); ++i) {
+    EXPECT_EQ(of_known.at("rungs")[i].at("difference_mm"),
+              of_new.at("rungs")[i].at("difference_mm"));
   }
 }
 
