@@ -102,6 +102,7 @@ Json samples_json(const ReceivedSamples& samples) {
 Json board_json(const Acquisition& acquisition) {
   Json json = account_json(acquisition.account);
   json.erase("duplicates");  // of all that was read
+  json["arguments"] = acquisition.board;
   json["samples_from"] = hw::to_string(acquisition.source);
   json["samples"] = samples_json(acquisition.samples);
   json["display_scale"] = display_scale_json(acquisition.display_scale);

@@ -324,8 +324,7 @@ Command add_phantom_command(CLI::App& app) {
   const auto arguments = std::make_shared<PhantomArguments>();
   CLI::App& command = add_subcommand(app, "phantom", "Build a phantom and write it as phantom.vdb");
   add_scene_options(command, arguments->scene);
-  add_cache_options(command, arguments->cache);
-  add_output_options(command, arguments->output);
+  add_output_options(command, arguments->output, arguments->cache);
   add_flag(command,
            "--labels",
            arguments->labels,

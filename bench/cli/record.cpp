@@ -399,8 +399,7 @@ Command add_record_command(CLI::App& app) {
   const auto arguments = std::make_shared<RecordArguments>();
   CLI::App& command = add_subcommand(app, "record", "Write what a board sends to recording.wbst");
   add_scene_options(command, arguments->scene);
-  add_cache_options(command, arguments->cache);
-  add_output_options(command, arguments->output);
+  add_output_options(command, arguments->output, arguments->cache);
   add_board_option(command, arguments->board);
   add_integer(command,
               "--volumes",

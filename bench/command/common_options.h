@@ -91,6 +91,11 @@ void add_plan_options(CLI::App& command, SceneArguments& plan);
 void add_cache_options(CLI::App& command, CacheArguments& cache);
 /// --out, --json and --open.
 void add_output_options(CLI::App& command, OutputArguments& output);
+/// The same after --no-cache and --cache-mb.
+inline void add_output_options(CLI::App& command, OutputArguments& output, CacheArguments& cache) {
+  add_cache_options(command, cache);
+  add_output_options(command, output);
+}
 /// --junit, of commands that check.
 void add_junit_option(CLI::App& command, OutputArguments& output);
 void add_board_option(CLI::App& command, std::string& board);

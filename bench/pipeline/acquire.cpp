@@ -153,7 +153,8 @@ Acquisition BoardConnection::acquire(const StreamSource& source,
           .simulated = simulated(),
           .transport_ms = transport_ms,
           .off_plan_s = result.reader.off_plan_s,
-          .ending = result.reader.ending};
+          .ending = result.reader.ending,
+          .board = arguments_.text};
 }
 
 }  // namespace wobblebench::bench

@@ -45,6 +45,7 @@ struct Acquisition {
   double transport_ms = 0;
   double off_plan_s = 0;  ///< ReaderStatistics::off_plan_s
   std::string ending;     ///< why the stream broke off; empty: it did not
+  std::string board;      ///< what --board was given
 };
 
 /// One board: of --board, or of the scene's simulator.

@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "bench/python/calls.h"
+#include "bench/scene/subject_hash.h"
 
 namespace wobblebench::python {
 
@@ -90,11 +91,18 @@ std::optional<bench::StreamFrame> BoardReader::next_frame() {
   return std::nullopt;
 }
 
+hw::SubjectHash BoardReader::subject() const {
+  if (!scene_) return source_->configuration.value().subject;
+  const bench::ResolvedScene& scene = scene_->resolved();
+  return scene.subject() ? bench::subject_hash(scene.options()) : hw::SubjectHash{};
+}
+
 VolumePointer BoardReader::next_volume() {
   VolumePointer volume;
   while (auto frame = next_frame()) {
     if (!volume || volume->index != frame->volume) {
       volume = std::make_shared<VolumeData>(plan(), frame->volume);
+      volume->subject = subject();
     }
     volume->set_frame(frame->frame, frame->samples);
     if (frame->ends_volume) return volume;

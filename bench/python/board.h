@@ -41,6 +41,7 @@ class BoardReader {
   std::optional<hw::BoardAccount> account() const;
 
  private:
+  hw::SubjectHash subject() const;
   void resolve(const ScenePointer& given);
   void open_without_scene();
   void start();

@@ -3,6 +3,7 @@
 
 #include <pybind11/stl.h>
 
+#include <algorithm>
 #include <memory>
 #include <mutex>
 #include <nlohmann/json.hpp>
@@ -21,6 +22,7 @@
 #include "bench/python/calls.h"
 #include "bench/python/scan.h"
 #include "bench/python/scene.h"
+#include "bench/scene/subject_hash.h"
 #include "hw/probe/motor_deviation.h"
 #include "render/reference/reference.h"
 #include "render/renderer.h"
@@ -29,12 +31,16 @@ namespace wobblebench::python {
 
 namespace {
 
+using Json = nlohmann::ordered_json;
+
 /// A picture, and what its score depends on besides.
 struct PictureData {
   render::Picture picture;
   std::uint32_t volume = 0;
   hw::MotorDeviation motor;  ///< of the volume's sticks
   std::string camera;        ///< JSON
+  Json view = nullptr;       ///< view_options() of its scene; null: not known
+  hw::SubjectHash subject;   ///< of the volume
 };
 
 using PicturePointer = std::shared_ptr<PictureData>;
@@ -79,6 +85,7 @@ class RendererHandle {
     const ReleaseAtEnd current(*context_);
     if (volume) {
       volume_ = std::make_unique<hw::PolarVolume>(volume->polar());
+      subject_ = volume->subject;
       is_added_ = false;
     }
     if (!volume_) throw UserError("render: needs a volume: none was rendered before");
@@ -89,6 +96,8 @@ class RendererHandle {
     data->picture = renderer_->render();
     data->volume = volume_->volume_index();
     data->motor = hw::motor_deviation(*volume_);
+    data->subject = subject_;
+    data->view = view_options(resolved);
     data->camera = bench::camera_json(resolved.view().camera).dump();
     return data;
   }
@@ -131,6 +140,7 @@ class RendererHandle {
   std::unique_ptr<render::Renderer> renderer_;
   std::optional<hw::AcquisitionPlan> plan_;  ///< of renderer_
   std::unique_ptr<hw::PolarVolume> volume_;  ///< the last
+  hw::SubjectHash subject_;                  ///< of the volume
   bool is_added_ = false;                    ///< renderer_ has it
 };
 
@@ -272,8 +282,23 @@ std::shared_ptr<const bench::TrueView> truth_of(const PictureData& picture, Scen
   return std::make_shared<const bench::TrueView>(std::move(truth), view->camera);
 }
 
+/// Throws UserError where the picture is of another view or body than the scene.
+void refuse_other_scene(const PictureData& picture, const bench::ResolvedScene& scene) {
+  bench::refuse_other_subject(scene.options(), picture.subject, /*placed=*/true, "score");
+  if (picture.view.is_null()) return;
+  const Json made = picture.view.flatten(), here = view_options(scene).flatten();
+  for (const auto& [place, value] : made.items()) {
+    if (here.at(place) == value) continue;
+    std::string key = "render" + place;
+    std::ranges::replace(key, '/', '.');
+    throw UserError("score: " + key + " = " + here.at(place).dump() +
+                    " of the scene: the picture was made with " + value.dump());
+  }
+}
+
 std::string score_picture(const PictureData& picture, SceneHandle& scene) {
   const bench::ResolvedScene& resolved = scene.resolved();
+  refuse_other_scene(picture, resolved);
   const int size = resolved.view().camera.image_size;
   const auto& depth = picture.picture.depth_m;
   if (depth.width != size || depth.height != size) {
@@ -340,9 +365,15 @@ void add_score(py::module_& module) {
          const ScenePointer& scene,
          const std::string& unit,
          const std::string& kind,
-         std::optional<double> far) {
-        return from_json(released([map = depth_map(depth, unit, kind, far), scene] {
-          return score_picture(picture_of(map, scene->resolved()), *scene);
+         std::optional<double> far,
+         std::optional<std::uint32_t> volume) {
+        return from_json(released([map = depth_map(depth, unit, kind, far), scene, volume] {
+          PictureData picture = picture_of(map, scene->resolved());
+          if (!volume && scene->resolved().moves()) {
+            throw UserError("score: volume is missing: the scene moves");
+          }
+          picture.volume = volume.value_or(0);
+          return score_picture(picture, *scene);
         }));
       },
       py::arg("depth"),
@@ -350,9 +381,11 @@ void add_score(py::module_& module) {
       py::arg("unit") = "m",
       py::arg("kind") = "ray",
       py::arg("far") = py::none(),
+      py::arg("volume") = py::none(),
       "The same of another renderer's depth map [row, column], as the command `score`: in `unit`, "
       "along the pixel's ray or as z of the camera (`kind`), NaN, 0 or less, and `far` or more "
-      "where there is no surface. It is filtered and shaded as the scene says.");
+      "where there is no surface. It is filtered and shaded as the scene says. `volume`: "
+      "Volume.index of what was rendered; a scene that moves needs it.");
 }
 
 }  // namespace

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "hw/probe/polar_volume.h"
+#include "hw/wire/configuration.h"
 
 namespace wobblebench::python {
 
@@ -22,6 +23,7 @@ struct VolumeData {
 
   hw::AcquisitionPlan plan;
   std::uint32_t index;                  ///< in the stream, from 0
+  hw::SubjectHash subject;              ///< what they are of, where that is known
   std::vector<float> samples;           ///< [frame][line][sample]
   std::vector<std::uint8_t> arrived;    ///< [frame][line]
   std::vector<double> motor_angle_rad;  ///< [frame][line]

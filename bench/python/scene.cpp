@@ -23,13 +23,8 @@ constexpr std::size_t kMostTruths = 8;
 
 /// What the true surface of a pixel depends on.
 std::string truth_key(const ResolvedScene& scene, std::uint32_t volume) {
-  Scene view;
-  view.render.view = scene.render().view;
-  view.render.volume_of_interest = scene.render().volume_of_interest;
-  view.render.ray_casting.image_size = scene.render().ray_casting.image_size;
-  view.render.ray_casting.edge = scene.render().ray_casting.edge;
   Json key = bench::resolved(scene.options());
-  key["render"] = bench::resolved(view)["render"];
+  key["render"] = view_options(scene);
   return key.dump() + std::to_string(volume);
 }
 
@@ -106,6 +101,15 @@ std::string setting_text(const std::string& key, const py::handle& value) {
 }
 
 }  // namespace
+
+Json view_options(const ResolvedScene& scene) {
+  const Json all = bench::resolved(scene.options())["render"];
+  return {
+      {"view", all["view"]},
+      {"volume_of_interest", all["volume_of_interest"]},
+      {"ray_casting",
+       {{"image_size", all["ray_casting"]["image_size"]}, {"edge", all["ray_casting"]["edge"]}}}};
+}
 
 SceneHandle::SceneHandle(std::string file, std::vector<std::string> settings)
     : file_(std::move(file)),

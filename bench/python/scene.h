@@ -6,6 +6,7 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
 #include <vector>
@@ -63,6 +64,9 @@ class SceneHandle {
 };
 
 using ScenePointer = std::shared_ptr<SceneHandle>;
+
+/// The options of [render] that the true surface of a pixel depends on, as resolved() has them.
+nlohmann::ordered_json view_options(const bench::ResolvedScene& scene);
 
 /// "section.key=value" of a list of such texts, or of a dict.
 std::vector<std::string> settings_of(const pybind11::object& settings);

@@ -82,6 +82,16 @@ nlohmann::ordered_json value_of(const nlohmann::ordered_json& scene, const std::
   return value == section->end() ? nlohmann::ordered_json(nullptr) : *value;
 }
 
+/// A stream's acquisition, whose zones but one are dead time: with the scene's zones where it is
+/// the same schedule.
+hw::AcquisitionOptions with_zones_of(const hw::AcquisitionOptions& scene,
+                                     const hw::AcquisitionOptions& delivered) {
+  hw::AcquisitionOptions zoned = delivered;
+  zoned.focal_zones = scene.focal_zones;
+  zoned.dead_time_s = scene.dead_time_s;
+  return hw::with_one_zone(zoned) == delivered ? zoned : delivered;
+}
+
 bool belongs_to_plan(const std::string& key) {
   return key.starts_with("acquisition.") || key.starts_with("probe.");
 }
@@ -118,7 +128,7 @@ ResolvedScene resolve_scene(Scene scene, const std::optional<phantoms::Phantom>&
 Scene with_plan(const Scene& scene, const hw::AcquisitionPlan& plan, const std::string& source) {
   Scene adopted = scene;
   static_cast<hw::ProbeOptions&>(adopted.probe) = plan.probe();
-  adopted.acquisition = plan.acquisition();
+  adopted.acquisition = with_zones_of(scene.acquisition, plan.acquisition());
   const auto before = resolved(scene), after = resolved(adopted);
   for (const std::string& key : scene.given) {
     if (!belongs_to_plan(key)) continue;

@@ -301,6 +301,9 @@ int run(const RunArguments& arguments) {
     const Scene chosen = with_choice(given, arguments, choice);
     const ResolvedScene scene = board.resolve(chosen, cache, progress);
     refuse_unknown(arguments, scene);
+    if (given.given.contains("render.pipeline.mid_volume")) {
+      progress.warn("render.pipeline.mid_volume: without effect: `run` renders a whole volume");
+    }
     if (correction) check_correction(*correction, scene.options());
     const Painter painter(*context, scene);
     std::future<void> compiled;
@@ -346,8 +349,7 @@ Command add_run_command(CLI::App& app) {
   CLI::App& command =
       add_subcommand(app, "run", "Acquire, render, compare with the truth: images, depth, report");
   add_scene_options(command, arguments->scene);
-  add_cache_options(command, arguments->cache);
-  add_output_options(command, arguments->output);
+  add_output_options(command, arguments->output, arguments->cache);
   add_limit_option(command, arguments->limits, timed_picture_names());
   add_junit_option(command, arguments->output);
   add_board_option(command, arguments->board);

@@ -26,6 +26,7 @@
 #include "bench/output/camera_matrices.h"
 #include "bench/output/error_report.h"
 #include "bench/output/report.h"
+#include "bench/scene/reported_run.h"
 #include "render/reference/reference.h"
 
 namespace wobblebench::bench {
@@ -39,6 +40,7 @@ struct ScoreArguments {
   CacheArguments cache;
   OutputArguments output;
   std::string unit = "auto", kind = "ray", frame = "probe", far, point_mm;
+  int volume = 0;
   std::vector<std::string> limits;
 };
 
@@ -68,17 +70,29 @@ ScoredScene scene_of_report(const SceneArguments& arguments) {
   }
   ScoredScene scored{
       load_resolved_scene(report["scene"], arguments.settings, "--scene = " + file.string())};
-  const Json volume = report.value(Json::json_pointer("/board/volume"), Json(0));
-  if (volume.is_number_unsigned()) scored.volume = volume.get<std::uint32_t>();
+  scored.volume = volume_of(report, "--scene = " + file.string());
   if (arguments.settings.empty()) scored.camera = report["camera"];
   return scored;
 }
 
+/// A report knows its volume.
+void take_volume(ScoredScene& scored, const ScoreArguments& arguments, bool is_report) {
+  if (arguments.command->get_option("--volume")->count() == 0) return;
+  const auto asked = static_cast<std::uint32_t>(arguments.volume);
+  if (is_report && scored.volume != asked) {
+    throw UserError("--volume = " + std::to_string(asked) + ": " + arguments.scene.file.string() +
+                    " is of volume " + std::to_string(scored.volume) + "; leave it out");
+  }
+  scored.volume = asked;
+}
+
 /// With the settings of passes 3 and 4 alone: no volume is rendered, and no z corrected.
-ScoredScene load_scored_scene(const SceneArguments& arguments) {
-  ScoredScene scored = arguments.file.extension() == ".json"
-                           ? scene_of_report(arguments)
-                           : ScoredScene{load_scene(arguments.file, arguments.settings)};
+ScoredScene load_scored_scene(const ScoreArguments& arguments) {
+  const SceneArguments& scene = arguments.scene;
+  const bool is_report = scene.file.extension() == ".json";
+  ScoredScene scored =
+      is_report ? scene_of_report(scene) : ScoredScene{load_scene(scene.file, scene.settings)};
+  take_volume(scored, arguments, is_report);
   scored.options.render.ray_casting.mode = render::RenderMode::surface;
   scored.options.picture.correction.clear();
   return scored;
@@ -191,10 +205,12 @@ Json scored_json(const FoundSurface& found, const ScoreArguments& arguments) {
 std::string score_report(const FoundSurface& found,
                          const PictureResult& result,
                          const ResolvedScene& scene,
+                         std::uint32_t volume,
                          const ScoreArguments& arguments,
                          const Progress& progress) {
   Json report = report_head("score", provenance_of_this_machine(), scene.options());
   report["scored"] = scored_json(found, arguments);
+  report["board"] = {{"volume", volume}};  // where `run` has it
   report["camera"] = camera_json(scene.view().camera);
   report["truth"] = "simulated scene";
   report["error"] = error_json(result.comparison->error, sought_in(scene));
@@ -205,7 +221,7 @@ std::string score_report(const FoundSurface& found,
 int score(const ScoreArguments& arguments) {
   const auto limits = parse_limits(arguments.limits, picture_measure_names());
   const SurfaceFileOptions options = surface_options(arguments);
-  const ScoredScene scored = load_scored_scene(arguments.scene);
+  const ScoredScene scored = load_scored_scene(arguments);
   const auto work = [&](OutputFolder& out, Progress& progress) {
     for (const char* name : {"depth.exr", "truth_depth.exr", "error_depth.exr"}) {
       out.refuse_input(options.file, name);
@@ -224,10 +240,11 @@ int score(const ScoreArguments& arguments) {
         progress.step("compare", [&] { return score_surface(found, scene, std::move(truth)); });
     progress.step("write", [&] { stage_score_images(out, result, scene); });
     const std::string summary = score_summary(found, result, scene, arguments);
-    CommandResult done{.report = score_report(found, result, scene, arguments, progress),
-                       .summary = summary,
-                       .failure = {},
-                       .document = score_document(result, scene, summary)};
+    CommandResult done{
+        .report = score_report(found, result, scene, scored.volume, arguments, progress),
+        .summary = summary,
+        .failure = {},
+        .document = score_document(result, scene, summary)};
     check_limits(limits, picture_figures(result.comparison->error), done);
     return done;
   };
@@ -258,11 +275,13 @@ void add_surface_options(CLI::App& command, ScoreArguments& arguments) {
            "--far",
            arguments.far,
            "Of a depth map: depths from this number on, in the file's unit, are no surface");
-  add_choice(command,
-             "--frame",
-             arguments.frame,
-             {"probe", "phantom"},
-             "Of a mesh or a point cloud: the frame of its coordinates (docs/units.md)");
+  add_choice(
+      command,
+      "--frame",
+      arguments.frame,
+      {"probe", "phantom", "file"},
+      "Of a mesh or a point cloud: the frame of its coordinates (docs/units.md); file: that of "
+      "the mesh that was imported");
   add_text(command,
            "--point-mm",
            arguments.point_mm,
@@ -289,9 +308,14 @@ Command add_score_command(CLI::App& app) {
            "--set",
            arguments->scene.settings,
            "Override one option of the scene: section.key=value (repeatable)");
+  add_optional_integer(command,
+                       "--volume",
+                       arguments->volume,
+                       "Volume of a scene that moves, from 0 on; a report says its own",
+                       0,
+                       hw::kMostVolumes - 1);
   add_surface_options(command, *arguments);
-  add_cache_options(command, arguments->cache);
-  add_output_options(command, arguments->output);
+  add_output_options(command, arguments->output, arguments->cache);
   add_limit_option(command, arguments->limits, picture_measure_names());
   add_junit_option(command, arguments->output);
   return {&command, [arguments] { return score(*arguments); }};

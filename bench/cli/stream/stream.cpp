@@ -387,8 +387,7 @@ Command add_stream_command(CLI::App& app) {
       app, "stream", "Volume after volume, acquired and rendered at once: a video, and latency");
   arguments->command = &command;
   add_scene_options(command, arguments->scene);
-  add_cache_options(command, arguments->cache);
-  add_output_options(command, arguments->output);
+  add_output_options(command, arguments->output, arguments->cache);
   add_limit_option(command, arguments->limits, limited_names());
   add_junit_option(command, arguments->output);
   add_board_option(command, arguments->board);

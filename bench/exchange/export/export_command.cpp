@@ -23,6 +23,7 @@
 #include "bench/pipeline/acquire.h"
 #include "bench/pipeline/motor_warning.h"
 #include "bench/pipeline/stream/gl_stream_renderer.h"
+#include "bench/scene/reported_run.h"
 #include "bench/scene/scene_cost.h"
 #include "hw/link/link_arguments.h"
 #include "render/gl/context.h"
@@ -97,7 +98,7 @@ struct Source {
   Scene scene;
 };
 
-/// The scene of a run's folder. Its picture is made again.
+/// The board and the scene of a run's folder. Its volume and its picture are made again.
 Source source_of_run(const Arguments& arguments) {
   const fs::path file = fs::path(arguments.from) / "report.json";
   const auto refuse = [&](const std::string& why) { throw UserError(file.string() + ": " + why); };
@@ -106,13 +107,8 @@ Source source_of_run(const Arguments& arguments) {
   if (!report.is_object() || report.value("command", "") != "run" || !report.contains("scene")) {
     refuse("is no report of `wobblebench run`");
   }
-  const auto board =
-      report.value(nlohmann::ordered_json::json_pointer("/provenance/board"), std::string());
-  if (board != "simulated") {
-    refuse("the run was of " + board +
-           " samples, which its folder does not hold; FROM must be the recording, with --scene");
-  }
-  return {"sim", load_resolved_scene(report["scene"], arguments.scene.settings, file.string())};
+  return {simulated_board_of(report, file.string()),
+          load_resolved_scene(report["scene"], arguments.scene.settings, file.string())};
 }
 
 Source source_of(const Arguments& arguments) {
@@ -180,6 +176,7 @@ class ExportingRenderer : public StreamRenderer {
 struct Exported {
   std::uint32_t last_volume = 0;
   int missing_sticks = 0;
+  std::uint64_t clamped = 0;  ///< samples
   hw::MotorDeviation motor;
   render::Picture picture;
 };
@@ -204,6 +201,7 @@ Exported stream_to(const std::vector<std::unique_ptr<ScanWriter>>& writers,
   StreamOptions options{.queue = {.policy = StreamPolicy::every}, .volumes = volumes};
   const StreamResult result = run_stream(source, renderer, options, write, [] { return false; });
   if (!result.failure.empty()) throw std::runtime_error(source.name + ": " + result.failure);
+  exported.clamped = result.reader.clamped;
   if (written == volumes) return exported;
   throw UserError("--volumes = " + std::to_string(volumes) + ": " + source.name + " has " +
                   std::to_string(written));
@@ -226,6 +224,7 @@ std::vector<FileOptions> chosen(const std::vector<FileRequest>& requests,
     const std::string name = request.path.string();
     options.push_back(chosen_options(name, request.options, request.given, volumes, is_known));
     check_grid(name, options.back(), plan);
+    check_motor(name, options.back(), plan);
   }
   return options;
 }
@@ -242,6 +241,9 @@ std::string summary(const std::vector<FileRequest>& requests,
        << "\n";
   if (exported.missing_sticks > 0) {
     text << "missing     " << exported.missing_sticks << " sticks, whose samples are 0\n";
+  }
+  if (exported.clamped > 0) {
+    text << "samples     " << exported.clamped << " out of range and clamped to 0 or 1\n";
   }
   for (const FileRequest& request : requests) {
     text << "results     " << request.path.string() << ", "

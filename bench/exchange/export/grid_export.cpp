@@ -58,14 +58,6 @@ class SampleBytes {
   SampleType type_;
 };
 
-/// Frames in the order in which they were acquired.
-std::vector<int> frame_order(const hw::AcquisitionPlan& plan, std::uint32_t volume) {
-  std::vector<int> order(static_cast<std::size_t>(plan.acquisition().frames_per_volume));
-  for (std::size_t turn = 0; turn < order.size(); ++turn) order[turn] = static_cast<int>(turn);
-  if (plan.sweep_direction(volume) < 0) std::ranges::reverse(order);
-  return order;
-}
-
 class GridWriter : public ScanWriter {
  public:
   GridWriter(ExportFormat format,
@@ -230,7 +222,7 @@ class GridWriter : public ScanWriter {
     std::size_t number = 0;
     for (std::uint32_t v = 0; v < scan_.volumes; ++v) {
       const std::uint32_t index = first_.value() + v;
-      for (const int frame : frame_order(scan_.plan(), index)) {
+      for (int frame = 0; frame < scan_.plan().acquisition().frames_per_volume; ++frame) {
         const double phi_rad = mean_motor_angle_rad(volume.frame(frame));
         const auto add = [&](const std::string& name, const std::string& value) {
           all.emplace_back(frame_field(number, name), value);
@@ -277,19 +269,14 @@ class GridWriter : public ScanWriter {
   }
 
   void write_polar(const hw::PolarVolume& volume) {
-    const bool in_time = format_ == ExportFormat::meta_image;
-    for (std::size_t turn = 0; turn < frames(); ++turn) {
-      const int frame =
-          in_time ? frame_order(scan_.plan(), volume.volume_index())[turn] : static_cast<int>(turn);
-      samples_.write(volume.frame(frame).samples, file_);
-    }
+    for (const hw::PolarFrame& frame : volume.frames()) samples_.write(frame.samples, file_);
   }
 
   void write_planes(const hw::PolarVolume& volume) {
     const PolarSampler sampler(volume);
     const auto columns = static_cast<std::size_t>(grid_.size.x);
     std::vector<float> picture(columns * static_cast<std::size_t>(grid_.size.y));
-    for (const int frame : frame_order(scan_.plan(), volume.volume_index())) {
+    for (int frame = 0; frame < scan_.plan().acquisition().frames_per_volume; ++frame) {
       parallel_rows(grid_.size.y, [&](int row) {
         const double depth_m = grid_.low_m.z + row * grid_.spacing_m;
         for (std::size_t column = 0; column < columns; ++column) {

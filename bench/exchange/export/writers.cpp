@@ -131,6 +131,23 @@ FileOptions chosen_options(const std::string& name,
   return chosen;
 }
 
+void check_motor(const std::string& what, const hw::AcquisitionPlan& plan) {
+  if (plan.acquisition().motor == hw::MotorMode::stepped) return;
+  throw UserError(what +
+                  ": holds one motor angle a frame, and the motor turns during a frame (only "
+                  "acquisition.motor = stepped does not); a Cartesian volume or .npz is right");
+}
+
+void check_motor(const std::string& name,
+                 const FileOptions& options,
+                 const hw::AcquisitionPlan& plan) {
+  const ExportFormat format = export_format(name);
+  const bool by_frame = options.content == Content::polar || options.content == Content::planes;
+  const bool by_stick = format == ExportFormat::npz || format == ExportFormat::zea;
+  if (!by_frame || by_stick) return;
+  check_motor("--to = " + name + ": content = " + name_of(options.content), plan);
+}
+
 std::unique_ptr<ScanWriter> make_writer(ExportFormat format,
                                         const std::filesystem::path& path,
                                         const FileOptions& options,

@@ -34,6 +34,13 @@ void check_grid(const std::string& name,
                 const FileOptions& options,
                 const hw::AcquisitionPlan& plan);
 
+/// Throws UserError for samples by frames, each of one motor angle, where the motor turns during a
+/// frame. `what`: is refused.
+void check_motor(const std::string& what, const hw::AcquisitionPlan& plan);
+void check_motor(const std::string& name,
+                 const FileOptions& options,
+                 const hw::AcquisitionPlan& plan);
+
 /// Whether the file holds something of the rendered picture.
 bool needs_picture(Content content);
 

@@ -99,6 +99,10 @@ std::vector<float> ForeignArray::values(std::uint64_t volume) const {
   return values;
 }
 
+std::uint64_t ForeignArray::third_in_file(std::uint64_t third, std::uint64_t volume) const {
+  return volume * sizes_[2] + (reversed_[2] ? sizes_[2] - 1 - third : third);
+}
+
 std::uint64_t ForeignArray::index(std::uint64_t first,
                                   std::uint64_t second,
                                   std::uint64_t third) const {

@@ -28,6 +28,9 @@ class ForeignArray {
   /// Index of a voxel within its volume, where it lies in the file.
   std::uint64_t index(std::uint64_t first, std::uint64_t second, std::uint64_t third) const;
 
+  /// Index along the third axis and all volumes, where it lies in the file.
+  std::uint64_t third_in_file(std::uint64_t third, std::uint64_t volume) const;
+
   /// Values of a volume, [(third * size(1) + second) * size(0) + first].
   std::vector<float> values(std::uint64_t volume) const;
 

@@ -26,7 +26,11 @@ void check_memory(const ForeignScan& scan) {
 }
 
 void write_volume(const ForeignScan& scan, std::uint32_t volume, int file) {
-  const std::vector<std::byte> bytes = packets_of_volume(scan, volume, scan.samples(volume));
+  const auto frames = scan.plan.acquisition().frames_per_volume;
+  const auto first =
+      scan.valid.begin() + (scan.valid.empty() ? 0 : std::ptrdiff_t{volume} * frames);
+  const std::vector<bool> valid(first, scan.valid.empty() ? first : first + frames);
+  const std::vector<std::byte> bytes = packets_of_volume(scan, volume, scan.samples(volume), valid);
   if (!write_all(file, {reinterpret_cast<const char*>(bytes.data()), bytes.size()})) {
     throw std::runtime_error(scan.path.string() +
                              ": cannot be kept in memory: " + std::strerror(errno));

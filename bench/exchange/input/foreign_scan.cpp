@@ -135,6 +135,51 @@ void add_zea_geometry(const ZeaPicture& zea, Described& described) {
   geometry.given.insert({"white", "black"});
 }
 
+/// Axes and their directions as PLUS names them: F or N, a letter of the axis of depth, away from
+/// the face or towards it; M or U, of the axis across, towards the marked side or away from it.
+void add_orientation(Described& described) {
+  const auto found = described.file.fields.find("UltrasoundImageOrientation");
+  Geometry& geometry = described.geometry;
+  if (found == described.file.fields.end() || geometry.layout == Layout::cartesian) return;
+  const std::string said =
+      described.file.path.string() + ": " + found->first + " = " + found->second;
+  const bool is_polar = geometry.layout == Layout::polar;
+  std::vector<std::string> axes, reversed;
+  for (const char letter : found->second.substr(0, 2)) {
+    const bool is_depth = letter == 'F' || letter == 'N';
+    if (!is_depth && letter != 'M' && letter != 'U') {
+      throw UserError(said + ": must be F or N and M or U");
+    }
+    axes.emplace_back(is_depth ? (is_polar ? "sample" : "row") : (is_polar ? "line" : "column"));
+    if (letter == 'N' || letter == 'U') reversed.push_back(axes.back());
+  }
+  axes.emplace_back("frame");
+  if (described.file.sizes.size() > 3) axes.emplace_back("volume");
+  axes.resize(std::min(axes.size(), described.file.sizes.size()));
+  if (std::ranges::count(geometry.reversed, "frame") > 0) reversed.emplace_back("frame");
+  if (geometry.has("axes") && geometry.axes != axes) {
+    described.refuse("geometry.axes: is not what the file says; " + said);
+  }
+  if (geometry.has("reversed") && !std::ranges::is_permutation(geometry.reversed, reversed)) {
+    described.refuse("geometry.reversed: is not what the file says; " + said);
+  }
+  geometry.axes = axes;
+  geometry.reversed = reversed;
+}
+
+/// Frames that the file marks as invalid have no sticks.
+std::vector<bool> valid_frames(const VoxelFile& file, const ForeignArray& array) {
+  std::vector<bool> valid;
+  for (std::uint64_t volume = 0; volume < array.volumes(); ++volume) {
+    for (std::uint64_t frame = 0; frame < array.size(2); ++frame) {
+      const std::string field = frame_field(array.third_in_file(frame, volume), "ImageStatus");
+      const auto found = file.fields.find(field);
+      valid.push_back(found == file.fields.end() || found->second == "OK");
+    }
+  }
+  return valid;
+}
+
 /// Of a file that the geometry file describes, or else its own fields.
 void add_geometry(Described& described, const fs::path& geometry) {
   refuse_raw_keys(described);
@@ -177,6 +222,7 @@ Described describe_file(const fs::path& path, const fs::path& geometry) {
                    : format == ForeignFormat::nrrd ? read_nrrd(path)
                                                    : read_meta_image(path);
   add_geometry(described, geometry);
+  if (format == ForeignFormat::meta_image) add_orientation(described);
   if (zea) add_zea_geometry(*zea, described);
   return described;
 }
@@ -344,6 +390,7 @@ ForeignScan polar_scan(const Described& described) {
           .display_scale = scale_of(described.geometry),
           .motor_rad = std::move(motor_rad),
           .samples = samples,
+          .valid = valid_frames(described.file, array),
           .summary = summary_of(described, values, "sticks: samples by line and frame")};
 }
 
@@ -398,6 +445,7 @@ ForeignScan planes_scan(const Described& described) {
           .display_scale = scale_of(described.geometry),
           .motor_rad = std::move(motor_rad),
           .samples = samples,
+          .valid = valid_frames(described.file, array),
           .summary = summary_of(described, values, "scan-converted planes of a fan")};
 }
 

@@ -24,6 +24,8 @@ struct ForeignScan {
   std::vector<double> motor_rad;   ///< angle of each frame
   /// Samples of a volume, [frame][line][sample], 0 to 1 over the dynamic range. Throws UserError.
   std::function<std::vector<float>(std::uint32_t volume)> samples;
+  /// [volume * frames + frame]: whose sticks there are; empty: all.
+  std::vector<bool> valid = {};
   std::string summary;  ///< a few lines for a terminal: what the file holds, and how it is taken
 };
 

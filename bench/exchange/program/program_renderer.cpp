@@ -19,6 +19,7 @@
 #include "base/units.h"
 #include "base/user_error.h"
 #include "bench/exchange/files/npy.h"
+#include "bench/exchange/surface/found_surface.h"
 #include "bench/output/camera_matrices.h"
 #include "bench/output/picture/scan_plane.h"
 #include "bench/scene/scene.h"
@@ -211,8 +212,9 @@ render::Picture ProgramRenderer::render(const hw::PolarVolume& volume,
   Image<float> depth_m;
   try {
     depth_m = read_depths(depths, options.ray_casting.image_size);
+    check_depths(depth_m, render::make_view(options), /*unit_m=*/0);
   } catch (const std::invalid_argument& error) {
-    throw std::runtime_error(who + "its depth.npy " + error.what());
+    throw std::runtime_error(who + "depth.npy: " + error.what());
   }
   exchange_ms += watch.lap_ms();
   render::Picture picture = render::shade_depth(depth_m, options);

@@ -10,6 +10,7 @@
 #include "base/user_error.h"
 #include "bench/exchange/export/depth_mesh.h"
 #include "bench/exchange/export/polar_sampler.h"
+#include "bench/exchange/export/writers.h"
 #include "bench/output/image_io.h"
 
 namespace wobblebench::bench {
@@ -64,6 +65,7 @@ StreamSender::~StreamSender() {
 
 void StreamSender::begin(const ExportedScan& scan) {
   scan_ = &scan;
+  if (arguments_.polar) check_motor("--send = " + arguments_.text + ": polar", scan.plan());
   if (arguments_.volume) {
     grid_ = grid_around(scan.plan(), arguments_.options.spacing_m);
     if (grid_->voxels() > kMostVoxels) {

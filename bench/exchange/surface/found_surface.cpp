@@ -167,20 +167,6 @@ std::string hint_of_unit(double unit_m, const std::function<bool(double)>& fits)
   return "";
 }
 
-/// Refuses depths that lie elsewhere than the view's box.
-void check_depths(const Image<float>& depth_m, const render::View& view, double unit_m) {
-  constexpr double kLeastShare = 0.05;
-  const std::vector<double> depths_m = finite(depth_m);
-  const BoxDepths box = box_depths(view);
-  if (share_within(depths_m, box, 1) >= kLeastShare) return;
-  const auto [least, most] = std::ranges::minmax(depths_m);
-  throw std::invalid_argument(
-      "its depths go from " + mm(least) + " to " + mm(most) +
-      " mm, and less than 5 % of them lie in the view's box, " + mm(box.near_m) + " to " +
-      mm(box.far_m) + " mm from the camera" +
-      hint_of_unit(unit_m, [&](double scale) { return share_within(depths_m, box, scale) > 0.5; }));
-}
-
 /// Many pixels at one depth behind everything are a background, of which the user must say so.
 void check_background(const Image<float>& depth_m, const render::View& view, double unit_m) {
   constexpr double kLeastShare = 0.001;
@@ -230,26 +216,59 @@ bool alike(const Extent& a, const Extent& b) {
   return longest_a <= 10 * longest_b && longest_b <= 10 * longest_a;
 }
 
-/// Why nothing of it is seen. `scaled`: the extent in the probe frame for another scale of the
-/// file.
+using ToProbe = std::function<glm::dvec3(const glm::dvec3&)>;
+
+/// From the frame of the file's coordinates, in m, to the probe frame.
+ToProbe to_probe_of(const SurfaceFileOptions& options, const ResolvedScene& scene) {
+  const phantoms::PhantomOptions& phantom = scene.options().phantom;
+  if (options.frame.empty() || options.frame == "probe") {
+    return [](const glm::dvec3& at_m) { return at_m; };
+  }
+  glm::dvec3 origin_m{0};  // of the phantom's frame, in the file's
+  if (options.frame == "file") {
+    if (phantom.name != "mesh") {
+      throw UserError(
+          "--frame = file: needs a phantom that a mesh was imported for; phantom.name = " +
+          phantom.name);
+    }
+    const phantoms::Box box = bounds(welded(phantoms::read_mesh(phantom.file)));
+    origin_m = 0.5 * phantom.unit_m * (box.low + box.high);
+  }
+  return [placement = scene.subject()->placement, origin_m](const glm::dvec3& at_m) {
+    return placement.to_probe(at_m - origin_m);
+  };
+}
+
+/// The frame, and how it was chosen.
+std::string frame_text(const SurfaceFileOptions& options, const ResolvedScene& scene) {
+  if (options.frame.empty()) return "probe (assumed; --frame phantom otherwise)";
+  std::string text = options.frame + " (--frame)";
+  if (options.frame == "phantom" && scene.options().phantom.name == "mesh") {
+    text +=
+        ", whose origin is the middle of the imported mesh's bounding box (--frame file: as "
+        "the mesh has it)";
+  }
+  return text;
+}
+
+/// Why nothing of it is seen.
 std::string nothing_in_box(const SurfaceFileOptions& options,
                            const std::vector<glm::dvec3>& in_file,
+                           const ToProbe& to_probe,
                            const ResolvedScene& scene,
                            double unit_m) {
-  const bool in_phantom = options.frame == "phantom";
   const auto placed = [&](double scale) {
     std::vector<glm::dvec3> points;
     points.reserve(in_file.size());
     for (const glm::dvec3& point : in_file) {
-      const glm::dvec3 at_m = scale * unit_m * point;
-      points.push_back(in_phantom ? scene.subject()->placement.to_probe(at_m) : at_m);
+      points.push_back(to_probe(scale * unit_m * point));
     }
     return extent_of(points);
   };
   const auto& [center_m, size_m] = scene.view().box;
   const Extent box{center_m - 0.5 * size_m, center_m + 0.5 * size_m};
   std::string hint = hint_of_unit(unit_m, [&](double scale) { return alike(placed(scale), box); });
-  if (hint.empty() && !in_phantom) {
+  if (hint.empty() && (options.frame.empty() || options.frame == "probe")) {
     hint = "; a surface in the phantom's frame needs --frame phantom";
   }
   return "no pixel of the view sees it: in the probe frame it lies at " + text_of(placed(1)) +
@@ -284,22 +303,16 @@ FoundSurface surface_of_mesh(const SurfaceFileOptions& options, const ResolvedSc
   found.kind = is_mesh ? SurfaceFileKind::mesh : SurfaceFileKind::points;
   found.format = phantoms::lower_case_extension(options.file).substr(1);
   const double unit_m = unit_of(unit_name(options, std::nullopt, found));
-  const bool in_phantom = options.frame == "phantom";
-  found.taken.emplace_back("frame",
-                           in_phantom              ? "phantom (--frame)"
-                           : options.frame.empty() ? "probe (assumed; --frame phantom otherwise)"
-                                                   : "probe (--frame)");
+  const ToProbe to_probe = to_probe_of(options, scene);
+  found.taken.emplace_back("frame", frame_text(options, scene));
   found.counts.emplace_back("vertices", static_cast<long>(mesh.vertices.size()));
   found.counts.emplace_back("triangles", static_cast<long>(mesh.triangles.size()));
   const std::vector<glm::dvec3> in_file = mesh.vertices;
-  for (glm::dvec3& vertex : mesh.vertices) {
-    vertex *= unit_m;
-    if (in_phantom) vertex = scene.subject()->placement.to_probe(vertex);
-  }
+  for (glm::dvec3& vertex : mesh.vertices) vertex = to_probe(unit_m * vertex);
   found.depth_m = is_mesh ? depth_of_mesh(mesh, scene.view())
                           : seen_points(mesh.vertices, options, scene.view(), found);
   if (finite(found.depth_m).empty()) {
-    throw std::invalid_argument(nothing_in_box(options, in_file, scene, unit_m));
+    throw std::invalid_argument(nothing_in_box(options, in_file, to_probe, scene, unit_m));
   }
   return found;
 }
@@ -311,6 +324,19 @@ std::string format_of(const DepthMapFile& map) {
 }
 
 }  // namespace
+
+void check_depths(const Image<float>& depth_m, const render::View& view, double unit_m) {
+  constexpr double kLeastShare = 0.05;
+  const std::vector<double> depths_m = finite(depth_m);
+  const BoxDepths box = box_depths(view);
+  if (depths_m.empty() || share_within(depths_m, box, 1) >= kLeastShare) return;
+  const auto [least, most] = std::ranges::minmax(depths_m);
+  throw std::invalid_argument(
+      "its depths go from " + mm(least) + " to " + mm(most) +
+      " mm, and less than 5 % of them lie in the view's box, " + mm(box.near_m) + " to " +
+      mm(box.far_m) + " mm from the camera" +
+      hint_of_unit(unit_m, [&](double scale) { return share_within(depths_m, box, scale) > 0.5; }));
+}
 
 const char* to_string(SurfaceFileKind kind) {
   return kind == SurfaceFileKind::depth_map ? "depth map"

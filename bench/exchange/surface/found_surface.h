@@ -19,7 +19,7 @@ struct SurfaceFileOptions {
   std::filesystem::path file;
   std::string unit;           ///< "mm" or "m"; empty: as the file says, else mm
   std::string kind;           ///< of depths: "ray" or "z"; empty: ray
-  std::string frame;          ///< of meshes and points: "probe" or "phantom"; empty: probe
+  std::string frame;          ///< of meshes and points: "probe", "phantom" or "file"; empty: probe
   DepthMapChoice depths;      ///< of depth maps
   std::optional<double> far;  ///< depths from this on, in the file's unit, are no surface
   double point_m = 0;         ///< radius of points; 0: of their spacing
@@ -43,6 +43,10 @@ struct FoundSurface {
 /// read, is damaged, of another size or of another view than the scene's, or of which nothing lies
 /// in the view's box, with what may be meant.
 FoundSurface read_found_surface(const SurfaceFileOptions& options, const ResolvedScene& scene);
+
+/// Throws std::invalid_argument for depths that lie elsewhere than the view's box, with the unit in
+/// which they would not. `unit_m`: of the file; 0: it has no other.
+void check_depths(const Image<float>& depth_m, const render::View& view, double unit_m);
 
 /// The depths of a map in the view: see read_found_surface(). `file`: for refusals.
 FoundSurface surface_of(const DepthMapFile& map,

@@ -194,11 +194,29 @@ bool FrameReader::finish_frame() {
   return waits || push_frames();
 }
 
+namespace {
+
+/// To [0, 1], NaN to 0, as every taker of the frame expects. Returns how many were not.
+std::uint64_t clamp_samples(std::vector<float>& samples) {
+  std::uint64_t clamped = 0;
+  for (float& sample : samples) {
+    if (sample >= 0.0f && sample <= 1.0f) continue;
+    sample = sample > 1.0f ? 1.0f : 0.0f;
+    ++clamped;
+  }
+  return clamped;
+}
+
+}  // namespace
+
 bool FrameReader::push_frames() {
   const bool ends_volume = finished_.back().ends_volume;
   if (ends_volume) check_motor();
   if (ends_volume) check_samples();
-  for (StreamFrame& frame : finished_) frame.samples = assembly_.volume()->frame(frame.frame);
+  for (StreamFrame& frame : finished_) {
+    frame.samples = assembly_.volume()->frame(frame.frame);
+    statistics_.clamped += clamp_samples(frame.samples.samples);
+  }
   if (ends_volume) finish_volume();
   bool is_open = true;
   for (StreamFrame& frame : std::exchange(finished_, {})) {

@@ -22,6 +22,7 @@ struct ReaderStatistics {
   std::uint64_t volumes = 0;      ///< whose last frame was pushed
   double busy_ms = 0;             ///< neither waiting for the board nor for the queue
   int least_free_slots = 0;       ///< of the board's ring
+  std::uint64_t clamped = 0;      ///< samples that were not in [0, 1]
   hw::MotorDeviation motor;       ///< of the sticks of `volumes`
   double off_plan_s = 0;          ///< most that a stick's device time, after the first one's, left
                                   ///< the plan's

@@ -447,5 +447,5 @@ def truth(scene: Scene, volume: int = 0) -> Truth:
 def score(picture: Picture, scene: Scene) -> dict[str, Any]:
     """Every measure of a picture against the truth of its scene, as `error` of report.json: a dict whose keys carry the unit. None: cannot be formed."""
 @overload
-def score(depth: numpy.ndarray, scene: Scene, unit: str = 'm', kind: str = 'ray', far: Optional[float] = None) -> dict[str, Any]:
-    """The same of another renderer's depth map [row, column], as the command `score`: in `unit`, along the pixel's ray or as z of the camera (`kind`), NaN, 0 or less, and `far` or more where there is no surface. It is filtered and shaded as the scene says."""
+def score(depth: numpy.ndarray, scene: Scene, unit: str = 'm', kind: str = 'ray', far: Optional[float] = None, volume: Optional[int] = None) -> dict[str, Any]:
+    """The same of another renderer's depth map [row, column], as the command `score`: in `unit`, along the pixel's ray or as z of the camera (`kind`), NaN, 0 or less, and `far` or more where there is no surface. It is filtered and shaded as the scene says. `volume`: Volume.index of what was rendered; a scene that moves needs it."""

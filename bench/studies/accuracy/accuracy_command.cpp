@@ -200,8 +200,7 @@ Command add_accuracy_command(CLI::App& app) {
       "plan's");
   add_integer(
       command, "--seeds", arguments->seeds, "Number of seeds; 0: the plan's, or 10", 0, kMostSeeds);
-  add_cache_options(command, arguments->cache);
-  add_output_options(command, arguments->output);
+  add_output_options(command, arguments->output, arguments->cache);
   add_gl_option(command, arguments->gl);
   add_renderer_option(command, arguments->renderers);
   return {&command, [arguments] {

@@ -74,6 +74,30 @@ void measure_if_program(ComparedSide& side,
   if (pictures.surface.empty()) pictures = std::move(made);
 }
 
+/// Throws UserError where a kept base was measured on another body than NEW is, other than by a
+/// setting of the command line.
+void refuse_other_body(const Measurement& all, const std::string& scene) {
+  const auto& base_settings = all.base.measured.settings;
+  if (!all.base.measured.kept || !base_settings.contains(scene) ||
+      !all.now.measured.settings.contains(scene)) {
+    return;
+  }
+  const auto is_set = [&](const std::string& key) {
+    return all.now.program && std::ranges::any_of(all.now.program->settings, [&](const auto& one) {
+             return one.starts_with(key + "=");
+           });
+  };
+  const auto& now = all.now.measured.settings.at(scene);
+  for (const auto& [key, value] : base_settings.at(scene)) {
+    const bool is_of_body =
+        key.starts_with("phantom.") || key.starts_with("placement.") || key.starts_with("motion.");
+    const auto other = now.find(key);
+    if (!is_of_body || other == now.end() || other->second == value || is_set(key)) continue;
+    throw UserError(scene + ": " + key + " = " + other->second + ", but BASE = " + all.base.text +
+                    " was measured with " + value + ": figures of two bodies are not compared");
+  }
+}
+
 /// Runs of both sides in turn, the new one first at every second seed, so that what the machine
 /// does meanwhile meets both.
 void measure_all(Measurement& all, int wanted_seeds, const PartDone& done) {
@@ -85,6 +109,7 @@ void measure_all(Measurement& all, int wanted_seeds, const PartDone& done) {
       const auto run_base = [&] { measure_if_program(all.base, scene, seed, pictures.base); };
       if (seed % 2 == 1) run_base();
       measure_if_program(all.now, scene, seed, pictures.now);
+      refuse_other_body(all, scene.name);
       if (seed % 2 == 0) run_base();
       done(++made, planned);
     }
@@ -138,8 +163,14 @@ Measurement planned(const Arguments& arguments) {
       throw UserError(
           "--scene and --seeds: without effect: both sides have figures that were kept");
     }
+    if (all.base.measured.board != all.now.measured.board) {
+      throw UserError("NEW = " + arguments.now + ": was run with --board " +
+                      all.now.measured.board + ", BASE with " + all.base.measured.board);
+    }
     all.scenes.clear();
+    for (const auto& [scene, unused] : all.base.measured.settings) refuse_other_body(all, scene);
   }
+  all.now.measured.board = all.base.measured.board;
   name_kept_run(all);
   return all;
 }
@@ -197,7 +228,10 @@ std::string failure_of(const ComparisonResult& result) {
     if (verdict.outcome != Outcome::broken) continue;
     lines.append(lines.empty() ? "" : "\n").append(line_of(verdict));
   }
-  return lines;
+  const bool none = !result.verdicts.empty() && std::ranges::all_of(result.verdicts, [](auto& one) {
+    return one.outcome == Outcome::not_compared;
+  });
+  return none ? "nothing was compared: " + result.verdicts.front().why : lines;
 }
 
 int compare(const Arguments& arguments) {

@@ -9,6 +9,7 @@
 
 #include "base/file.h"
 #include "base/user_error.h"
+#include "bench/scene/reported_run.h"
 #include "bench/studies/compare/child_program.h"
 
 namespace wobblebench::bench {
@@ -50,14 +51,18 @@ ComparedSide side_of_folder(const std::string& option,
     throw UserError(text +
                     ": has no report.json; a folder must be of `wobblebench compare` or `run`");
   }
-  return {.text = text, .measured = kept_side(read_report(report), text), .folder = text};
+  const Json kept = read_report(report);
+  ComparedSide side{.text = text, .measured = kept_side(kept, text), .folder = text};
+  if (kept["command"] == "run") side.measured.board = simulated_board_of(kept, report.string());
+  return side;
 }
 
 std::vector<std::string> arguments_of(const ProgramSide& of,
+                                      const std::string& board,
                                       const ComparedScene& scene,
                                       std::uint64_t seed,
                                       const fs::path& out) {
-  std::vector<std::string> words = {"run"};
+  std::vector<std::string> words = {"run", "--board", board};
   if (!scene.file.empty()) words.push_back(scene.file.string());
   for (const std::string& setting : of.settings) {
     words.insert(words.end(), {"--set", setting});
@@ -135,7 +140,8 @@ KeptPictures measure(ComparedSide& side, const ComparedScene& scene, std::uint64
   const ProgramSide& of = side.program.value();
   const RunFolder folder;
   const fs::path& out = folder.path;
-  check_end(run_child(of.program, arguments_of(of, scene, seed, out)), of.program);
+  check_end(run_child(of.program, arguments_of(of, side.measured.board, scene, seed, out)),
+            of.program);
   const Json report = read_report(out / "report.json");
   const MeasuredSide run = kept_side(report, of.program.string());
   MeasuredSide& measured = side.measured;

@@ -142,6 +142,7 @@ Json json_of(const MeasuredSide& side) {
                {"cpu", side.cpu},
                {"gl_renderer", side.gl_renderer},
                {"kept", side.kept},
+               {"board", side.board},
                {"settings", side.settings},
                {"runs", Json::array()}};
   for (const MeasuredRun& run : side.runs) {
@@ -179,6 +180,7 @@ MeasuredSide kept_side(const Json& report, const std::string& what) {
       side.commit = kept.at("commit");
       side.cpu = kept.at("cpu");
       side.gl_renderer = kept.at("gl_renderer");
+      side.board = kept.value("board", side.board);
       side.settings = kept.at("settings").get<decltype(side.settings)>();
       for (const Json& run : kept.at("runs")) side.runs.push_back(run_from(run));
       return side;

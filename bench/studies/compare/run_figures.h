@@ -43,7 +43,8 @@ struct MeasuredRun {
 struct MeasuredSide {
   std::string what;  ///< for people: program and settings, or where the figures were kept
   std::string commit, cpu, gl_renderer;
-  bool kept = false;  ///< measured at another time
+  bool kept = false;          ///< measured at another time
+  std::string board = "sim";  ///< what --board is given, in every run
   std::vector<MeasuredRun> runs;
   /// The settings of each scene as resolved, by their keys ("render.shading.light"), without the
   /// seed: texts of JSON.

@@ -86,11 +86,15 @@ CommandResult write_dataset(const Arguments& arguments,
   report["scene"] = nullptr;  // there are several
   report["dataset"] = dataset_json(plan, figures);
   report["wall_ms"] = wall_json(progress.times());
+  const std::string refused = report["dataset"]["refused"].dump();
+  const bool is_whole = refused == "0";
   return {.report = report_text(report),
-          .summary = std::to_string(plan.scenes) + " scenes, " +
-                     report["dataset"]["refused"].dump() + " refused\nresults     " +
-                     arguments.output.folder.string() + "\n",
-          .failure = {},
+          .summary = std::to_string(plan.scenes) + " scenes, " + refused +
+                     " refused\nresults     " + arguments.output.folder.string() + "\n",
+          .exit_code = is_whole ? kDone : kFailed,
+          .failure = is_whole ? ""
+                              : refused + " of " + std::to_string(plan.scenes) +
+                                    " scenes were refused: dataset.json says why",
           .document = std::move(document)};
 }
 
@@ -172,8 +176,7 @@ Command add_dataset_command(CLI::App& app) {
                        "added. Exit code 1 if one differs",
                        1,
                        kMostScenes);
-  add_cache_options(command, arguments->cache);
-  add_output_options(command, arguments->output);
+  add_output_options(command, arguments->output, arguments->cache);
   add_gl_option(command, arguments->gl);
   return {&command, [arguments] { return dataset(*arguments); }};
 }

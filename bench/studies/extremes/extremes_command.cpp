@@ -329,8 +329,7 @@ Command add_extremes_command(CLI::App& app) {
            arguments->is_long,
            "Large pictures, a million steps and 200 random settings, too");
   add_seed(command, "--seed", arguments->seed, "Of the random settings");
-  add_cache_options(command, arguments->cache);
-  add_output_options(command, arguments->output);
+  add_output_options(command, arguments->output, arguments->cache);
   add_gl_option(command, arguments->gl);
   return {&command, [arguments] { return run_extremes(*arguments); }};
 }

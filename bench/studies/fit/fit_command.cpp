@@ -169,8 +169,7 @@ Command add_fit_command(CLI::App& app) {
   CLI::App& command = add_subcommand(
       app, "fit", "Register the probe's errors; fit the detection error and write its correction");
   add_scene_options(command, arguments->scene);
-  add_cache_options(command, arguments->cache);
-  add_output_options(command, arguments->output);
+  add_output_options(command, arguments->output, arguments->cache);
   add_gl_option(command, arguments->gl);
   add_integer(
       command, "--seeds", arguments->seeds, "Seeds of each training set of the model", 1, 100);

@@ -84,8 +84,7 @@ Command add_latency_command(CLI::App& app) {
   CLI::App& command = add_subcommand(
       app, "latency", "From the echo to the picture: what limits a stream, on two clocks");
   add_scene_options(command, arguments->scene);
-  add_cache_options(command, arguments->cache);
-  add_output_options(command, arguments->output);
+  add_output_options(command, arguments->output, arguments->cache);
   add_gl_option(command, arguments->gl);
   add_choice(command,
              "--policy",

@@ -190,8 +190,7 @@ Command add_modes_command(CLI::App& app) {
   CLI::App& command = add_subcommand(
       app, "modes", "Whether mode fast makes mode plain's picture, phantom by phantom");
   add_scene_options(command, arguments->scene);
-  add_cache_options(command, arguments->cache);
-  add_output_options(command, arguments->output);
+  add_output_options(command, arguments->output, arguments->cache);
   add_gl_option(command, arguments->gl);
   return {&command, [arguments] { return compare_modes(*arguments); }};
 }

@@ -169,8 +169,7 @@ Command add_tables_command(CLI::App& app) {
   const auto arguments = std::make_shared<TablesArguments>();
   CLI::App& command = add_subcommand(app, "tables", "Tables I to IV beside the paper's");
   add_scene_options(command, arguments->scene);
-  add_cache_options(command, arguments->cache);
-  add_output_options(command, arguments->output);
+  add_output_options(command, arguments->output, arguments->cache);
   add_board_option(command, arguments->board);
   add_gl_option(command, arguments->gl);
   add_table_options(command, arguments->tables);

@@ -205,8 +205,7 @@ Command add_trade_command(CLI::App& app) {
            "--merge",
            arguments->merged,
            "Folder of a finished shard; repeat it for each. Nothing is measured");
-  add_cache_options(command, arguments->cache);
-  add_output_options(command, arguments->output);
+  add_output_options(command, arguments->output, arguments->cache);
   add_gl_option(command, arguments->gl);
   add_renderer_option(command, arguments->renderers);
   return {&command, [arguments] {

@@ -258,8 +258,7 @@ Command add_tune_command(CLI::App& app) {
       0,
       10000);
   add_flag(command, "--random", arguments->random, "Search at random, for comparison");
-  add_cache_options(command, arguments->cache);
-  add_output_options(command, arguments->output);
+  add_output_options(command, arguments->output, arguments->cache);
   add_gl_option(command, arguments->gl);
   add_renderer_option(command, arguments->renderers);
   return {&command, [arguments] {

@@ -50,7 +50,7 @@ def check_request():
     done = run(answering("json.dump(request, open(%r, 'w'))\n"
                          "for name in ('polar', 'cartesian'):\n"
                          "    np.save(%r + name, np.load(request[name]['file']))\n"
-                         "np.save(request['depth'], np.full((n, n), 100.0))\n"
+                         "np.save(request['depth'], np.full((n, n), 50.0))\n"
                          "print('done', flush=True)" % (os.path.join(FOLDER, "request.json"), FOLDER + "/")),
                "simulation.fidelity=geometry")  # without speckle, which changes from sample to sample
     assert done.returncode == 0, done.stderr
@@ -99,5 +99,6 @@ check_bad("read line; echo 'error: no licence'", "said: no licence")
 check_bad(answering("np.save(request['depth'], np.zeros((n, n + 1)))\nprint('done', flush=True)"), "64 x 65; must be 64 x 64")
 check_bad(answering("open(request['depth'], 'w').write('no array')\nprint('done', flush=True)"), "is no readable NumPy file")
 check_bad(answering("np.save(request['depth'], np.zeros((n, n), complex))\nprint('done', flush=True)"), "<c16")
+check_bad(answering("np.save(request['depth'], np.full((n, n), 0.1))\nprint('done', flush=True)"), "lie in the view's box")
 check_bad("", "must be NAME=COMMAND", code=2)
 assert not os.listdir(os.environ["TMPDIR"])

@@ -176,6 +176,20 @@ def check_points(run):
     assert report["scored"]["what"] == "point cloud"
 
 
+def check_imported_mesh():
+    """The mesh that was scanned, by its own coordinates, which do not have their origin in the middle of its box."""
+    mesh = os.path.join(os.path.dirname(__file__), "../../../docs/scenes/pebble.obj")
+    done = command("run", "--out", path("pebble"), *settings(
+        ["phantom.name=mesh", f"phantom.file={mesh}", "placement.rotation_deg=[10, -20, 5]"] + SCENE[1:] + ASKEW))
+    assert done.returncode == 0, done.stderr
+    report = score(mesh, "--frame", "file", run="pebble")
+    assert report["error"]["depth_mm"]["p95"] < 0.1 and abs(report["error"]["depth_mm"]["median"]) < 0.02, report["error"]
+    report = score(mesh, "--frame", "phantom", run="pebble")
+    assert report["error"]["depth_mm"]["p95"] > 0.5
+    assert "the middle of the imported mesh's bounding box" in report["scored"]["taken"]["frame"]
+    refused(mesh, "--frame", "file", says="phantom.name = sphere")
+
+
 def check_refusals():
     z = channel("parallel/depth.exr", "Z")
     np.save(path("small.npy"), z[::2, ::2])
@@ -216,4 +230,5 @@ for view, keys in {"parallel": [], "perspective": ASKEW + ["render.view.projecti
         check_z(own, z)
     check_meshes(view)
     check_points(view)
+check_imported_mesh()
 check_refusals()

@@ -281,7 +281,7 @@ class FetalFace(InFolder):
 
 class Several(InFolder):
     def test_volumes_follow_each_other(self):
-        scene = settings("phantom.name=sphere", "motion.velocity_mm_s=[20, 0, 0]", "acquisition.motor=alternating",
+        scene = settings("phantom.name=sphere", "motion.velocity_mm_s=[20, 0, 0]",
                          "acquisition.frames_per_volume=7", "acquisition.sticks_per_frame=9",
                          "acquisition.samples_per_stick=16")
         run("export", "sim", *scene, "--volumes", 3, "--to", self.path("three.npz") + ",content=polar",
@@ -296,9 +296,18 @@ class Several(InFolder):
         np.testing.assert_array_equal(np.frombuffer(body, "<f4").reshape(3, 7, 9, 16), scan["samples"])
         times = re.search(r"axis 3 index values:=(.*)", header.decode())[1].split()
         np.testing.assert_allclose(np.array(times, float), scan["time_s"].min(axis=(1, 2)), atol=1e-8)
-        # Frames in the order of time: the second volume sweeps back.
         frames, _, _ = read_volume(vtkMetaImageReader(), self.path("three.mha"))
-        np.testing.assert_array_equal(frames.reshape(3, 7, 9, 16)[1], scan["samples"][1][::-1])
+        np.testing.assert_array_equal(frames.reshape(3, 7, 9, 16), scan["samples"])
+
+    def test_frames_of_many_angles_are_refused(self):
+        """A file with one angle a frame would be read with sticks up to half a step off."""
+        for motor in ("continuous", "alternating", "fly_back"):
+            scene = settings("phantom.name=sphere", f"acquisition.motor={motor}", *SMALL_SCAN)
+            for name in ("a.nrrd,content=polar", "a.seq.nrrd,content=polar", "a.mha,content=polar", "a.mha", "a.vol"):
+                said = run("export", "sim", *scene, "--to", self.path(name), code=2)
+                self.assertIn("holds one motor angle a frame", said)
+            said = run("stream", *scene, "--send", "igtl=0,content=polar", "--out", self.path("s"), code=2)
+            self.assertIn("polar: holds one motor angle a frame", said)
 
     def test_recording_gives_what_the_scene_gives(self):
         scene = settings("phantom.name=sphere", *SMALL_SCAN)

@@ -149,6 +149,45 @@ class Polar(Input):
         run("inspect", self.path("rec/recording.wbst"))
 
 
+class Plus(Input):
+    """Fields that PLUS writes: which way the axes go, and which frames are valid."""
+
+    def test_orientation(self):
+        values = np.random.default_rng(5).integers(0, 256, (5, 7, 16), dtype=np.uint8)  # frame, line, sample
+        expected = values / 255
+        for letters, stored in {"FM": values, "FU": values[:, ::-1], "NM": values[:, :, ::-1],
+                                "MF": values.transpose(0, 2, 1), "UN": values[:, ::-1, ::-1].transpose(0, 2, 1)}.items():
+            field = f"UltrasoundImageOrientation = {letters}\n"
+            file = self.write("o.mha", mha(np.ascontiguousarray(stored), more=field))
+            np.testing.assert_allclose(self.exported(self.board(file, **POLAR))["samples"][0], expected, atol=1e-6)
+        for keys in ({"reversed": ["sample"]}, {"axes": ["sample", "line", "frame"]}):
+            said = run("run", "--board", self.board(file, **POLAR, **keys), "--out", self.path("no"), code=2)
+            self.assertIn("is not what the file says", said)
+            self.assertIn("UltrasoundImageOrientation = UN", said)
+        wrong = self.write("w.mha", mha(values, more="UltrasoundImageOrientation = QF\n"))
+        self.assertIn("must be F or N and M or U", run("run", "--board", self.board(wrong, **POLAR), code=2))
+
+    def test_invalid_frames_are_lost_sticks(self):
+        values = np.full((10, 7, 16), 100, np.uint8)
+        status = "".join(f"Seq_Frame{i:04d}_ImageStatus = {'INVALID' if i in (2, 8) else 'OK'}\n" for i in range(10))
+        file = self.write("i.mha", mha(values, more=status))
+        for keys, expected in (({}, [[2], [3]]), ({"reversed": ["frame"]}, [[2], [1]])):
+            scan = self.exported(self.board(file, **POLAR, **keys, frames_per_volume=5), "--volumes", 2)
+            there = scan["arrived"].astype(bool)
+            lost = [sorted(set(np.nonzero(~volume)[0])) for volume in there]
+            self.assertEqual(lost, expected)
+            self.assertFalse(scan["samples"][~there].any())
+
+    def test_values_above_white_are_clamped(self):
+        values = np.random.default_rng(6).uniform(0, 1, (40, 30, 50)).astype("<f4")
+        values[3, 4, 5], values[20, 6, 7] = 20, -3
+        file = self.write("b.mha", mha(values, element="MET_FLOAT"))
+        board = self.board(file, **POLAR, white=1.0, black=0.0)
+        said = run("export", board, "--replace", "--to", self.path("back.npz") + ",content=polar")
+        self.assertIn("1 out of range and clamped", said)
+        np.testing.assert_allclose(np.load(self.path("back.npz"))["samples"][0], np.clip(values, 0, 1), atol=1e-6)
+
+
 class Resampled(Input):
     """Pictures and grids: a field that is linear in position survives linear interpolation."""
 
