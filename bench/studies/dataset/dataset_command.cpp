@@ -94,7 +94,7 @@ CommandResult write_dataset(const Arguments& arguments,
           .exit_code = is_whole ? kDone : kFailed,
           .failure = is_whole ? ""
                               : refused + " of " + std::to_string(plan.scenes) +
-                                    " scenes were refused: dataset.json says why",
+                                    " scenes were refused: manifest.jsonl says why",
           .document = std::move(document)};
 }
 

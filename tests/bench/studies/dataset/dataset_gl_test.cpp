@@ -20,7 +20,7 @@ const std::string kPlan =
     "scenes = 4\nseed = 3\n"
     "[scene]\n"
     "phantom = { name = \"sphere\", voxel_mm = 2, radius_mm = { uniform = [15, 25] } }\n"
-    "acquisition = { frames_per_volume = 9, sticks_per_frame = 16 }\n"
+    "acquisition = { frames_per_volume = 9, sticks_per_frame = 16, focal_zones = 2 }\n"
     "render.scan_conversion.slice_size = 64\n"
     "render.ray_casting = { image_size = 64, steps = 64 }\n"
     "[strata.good]\nshare = 0.75\n"
@@ -82,7 +82,9 @@ void expect_equal(const std::map<std::string, std::string>& a,
 
 TEST_F(Dataset, HasALineForEachSceneAndNotesRefusals) {
   const ProcessResult made = dataset({"--out", "whole"});
-  ASSERT_EQ(made.exit_code, 0) << made.err;
+  ASSERT_EQ(made.exit_code, 1) << made.err;
+  EXPECT_NE(made.err.find("1 of 4 scenes were refused: manifest.jsonl says why"), std::string::npos)
+      << made.err;
   const auto lines = manifest("whole");
   ASSERT_EQ(lines.size(), 4U);
   int refused = 0;
@@ -107,18 +109,18 @@ TEST_F(Dataset, HasALineForEachSceneAndNotesRefusals) {
 }
 
 TEST_F(Dataset, ShardsTogetherAreTheWhole) {
-  ASSERT_EQ(dataset({"--out", "whole"}).exit_code, 0);
+  ASSERT_EQ(dataset({"--out", "whole"}).exit_code, 1);
   for (const char* shard : {"2/2", "1/2"}) {
     const ProcessResult made = dataset({"--out", "parts", "--shard", shard});
     EXPECT_EQ(made.exit_code, 0) << made.err;
     EXPECT_FALSE(fs::exists(folder_.path() / "parts/manifest.jsonl"));
   }
-  ASSERT_EQ(dataset({"--out", "parts"}).exit_code, 0);
+  ASSERT_EQ(dataset({"--out", "parts"}).exit_code, 1);
   expect_equal(bytes_in("whole"), bytes_in("parts"));
 }
 
 TEST_F(Dataset, AKilledCommandLeavesWholeScenesAndIsResumed) {
-  ASSERT_EQ(dataset({"--out", "whole"}).exit_code, 0);
+  ASSERT_EQ(dataset({"--out", "whole"}).exit_code, 1);
   const fs::path scenes = folder_.path() / "parts/scenes";
   ProcessLimits limits;
   limits.signal = 9;
@@ -132,12 +134,12 @@ TEST_F(Dataset, AKilledCommandLeavesWholeScenesAndIsResumed) {
   }
   EXPECT_FALSE(fs::exists(scenes / "000001"));
   const ProcessResult resumed = dataset({"--out", "parts"});
-  ASSERT_EQ(resumed.exit_code, 0) << resumed.err;
+  ASSERT_EQ(resumed.exit_code, 1) << resumed.err;
   expect_equal(bytes_in("whole"), bytes_in("parts"));
 }
 
 TEST_F(Dataset, VerifyFindsAFlippedByte) {
-  ASSERT_EQ(dataset({"--out", "whole"}).exit_code, 0);
+  ASSERT_EQ(dataset({"--out", "whole"}).exit_code, 1);
   const ProcessResult same = dataset({"--out", "whole", "--verify", "4"});
   EXPECT_EQ(same.exit_code, 0) << same.out << same.err;
   const std::string file = "scenes/000000/depth.exr";
