@@ -49,58 +49,53 @@ ChainResult run_chain(std::vector<std::string> settings,
           std::move(error)};
 }
 
+/// Figures of a scene: magnitudes in mm, and percentages.
 struct Expected {
-  std::string phantom;
-  std::string rung;
-  double bias_mm;    ///< magnitude
-  double median_mm;  ///< magnitude
-  double rms_mm;
-  double missed_percent;
+  std::string phantom, rung, preset;
+  double bias, median, rms, p95, missed, wrong;
 };
 
 void PrintTo(const Expected& e, std::ostream* out) {
-  *out << e.phantom << " on " << e.rung;
+  *out << e.phantom << " on " << e.rung << " by " << e.preset;
 }
 
 class Calibration : public testing::TestWithParam<Expected> {};
 
-// Bounds are the figures of docs/results/calibration.md and a fifth more: what changes them on
-// purpose changes that document too.
+// Measured, and held to a tenth and 0.02 more: what changes them on purpose changes them here, too.
 TEST_P(Calibration, DepthErrorStaysWithinBounds) {
   const Expected& expected = GetParam();
   const ChainResult chain = run_chain({"phantom.name=" + expected.phantom,
                                        "simulation.fidelity=" + expected.rung,
-                                       "render.preset=baseline",
+                                       "render.preset=" + expected.preset,
                                        "phantom.tilt_x_deg=10",
                                        "phantom.tilt_y_deg=-8"});
   const DepthStatistics& depth = chain.error.depth;
-  std::printf(
-      "%s %s: bias %.3f mm, median %.3f mm, RMS %.3f mm, P95 %.3f mm, missed %.2f %%, false %.2f "
-      "%%\n",
-      expected.phantom.c_str(),
-      expected.rung.c_str(),
-      depth.bias_m * 1e3,
-      depth.median_m * 1e3,
-      depth.rms_m * 1e3,
-      depth.p95_m * 1e3,
-      chain.error.missed_percent(),
-      chain.error.false_percent());
   EXPECT_GT(depth.n, 2000);
-  EXPECT_LT(std::abs(depth.bias_m * 1e3), expected.bias_mm);
-  EXPECT_LT(std::abs(depth.median_m * 1e3), expected.median_mm);
-  EXPECT_LT(depth.rms_m * 1e3, expected.rms_mm);
-  EXPECT_LT(chain.error.missed_percent(), expected.missed_percent);
+  const auto expect_at_most = [](const char* name, double value, double figure) {
+    EXPECT_LE(value, 1.1 * figure + 0.02) << name;
+    std::printf("%s %.3f, ", name, value);
+  };
+  expect_at_most("bias_mm", std::abs(depth.bias_m) * 1e3, expected.bias);
+  expect_at_most("median_mm", std::abs(depth.median_m) * 1e3, expected.median);
+  expect_at_most("rms_mm", depth.rms_m * 1e3, expected.rms);
+  expect_at_most("p95_mm", depth.p95_m * 1e3, expected.p95);
+  expect_at_most("missed_percent", chain.error.missed_percent(), expected.missed);
+  expect_at_most("false_percent", chain.error.false_percent(), expected.wrong);
 }
 
-INSTANTIATE_TEST_SUITE_P(Phantoms,
-                         Calibration,
-                         testing::Values(Expected{"plane", "geometry", 0.9, 0.8, 0.95, 0.1},
-                                         Expected{"plane", "field", 2.0, 1.8, 2.1, 0.5},
-                                         Expected{"sphere", "geometry", 1.5, 1.2, 2.0, 6},
-                                         Expected{"sphere", "field", 4.5, 4.0, 5.2, 2}),
-                         [](const auto& test) {
-                           return test.param.phantom + "_" + test.param.rung;
-                         });
+INSTANTIATE_TEST_SUITE_P(
+    Phantoms,
+    Calibration,
+    testing::Values(Expected{"plane", "geometry", "baseline", 0.72, 0.66, 0.76, 1.17, 0.00, 0.00},
+                    Expected{"plane", "field", "baseline", 1.57, 1.45, 1.65, 2.49, 0.00, 0.00},
+                    Expected{"sphere", "geometry", "baseline", 1.11, 0.97, 1.46, 2.80, 0.98, 0.76},
+                    Expected{"sphere", "field", "baseline", 2.77, 2.74, 2.98, 4.69, 0.13, 2.47},
+                    Expected{"sphere", "field", "accurate", 0.07, 0.05, 0.32, 0.64, 0.00, 1.70},
+                    Expected{
+                        "fetal_face", "field", "accurate", 0.01, 0.02, 1.73, 1.49, 0.26, 1.02}),
+    [](const auto& test) {
+      return test.param.phantom + "_" + test.param.rung + "_" + test.param.preset;
+    });
 
 /// Percentage of pixels with a surface in one picture alone, and RMS depth difference of the
 /// others.
