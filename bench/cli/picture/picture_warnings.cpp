@@ -38,7 +38,11 @@ std::string level_text(double level) {
 /// Why no ray met a surface.
 std::string why_none(const render::Picture& picture, const ResolvedScene& scene) {
   if (box_misses_sector(scene)) {
-    return "render.volume_of_interest lies outside the scanned sector, fan and depth";
+    const hw::AcquisitionOptions& scan = scene.plan().acquisition();
+    return "no stick passes render.volume_of_interest: it lies outside the scanned sector, fan and "
+           "depth, or between the " +
+           std::to_string(scan.sticks_per_frame) + " sticks of " +
+           std::to_string(scan.frames_per_volume) + " frames";
   }
   const render::RayCastingOptions& o = scene.render().ray_casting;
   if (o.detector == render::Detector::paper) {

@@ -274,7 +274,8 @@ TEST(RunWarnings, SayWhichStageLostTheSurface) {
   };
   EXPECT_EQ(warnings_of({}, folder), std::vector<std::string>{});
   const std::string box = "render.volume_of_interest.center_mm=";
-  only(set(box + "[0,0,900]"), "render.volume_of_interest lies outside the scanned sector");
+  only(set(box + "[0,0,900]"),
+       "no stick passes render.volume_of_interest: it lies outside the scanned sector");
   only(with(set("render.preset=baseline"), {set("render.ray_casting.threshold=60")}),
        "Difference reached the threshold, 60 over 8 samples");
   only(set("phantom.name=speckle_block"), "shows no surface and is black");
