@@ -230,6 +230,7 @@ void FragmentProgram::count_fetches(const Framebuffer& target,
   std::array<TextureFetch, kSamplers> fetches{};
   std::array<bool, kSamplers> is_set{};
   for (const auto& [unit, texture] : bindings) {
+    if (!*texture) continue;  // a pass without it leaves its unit empty
     const TextureFetch fetch = texture_fetch_of(*texture);
     const auto sampler = static_cast<std::size_t>(fetch.sampler);
     if (!std::exchange(is_set[sampler], true)) fetches[sampler] = fetch;

@@ -72,9 +72,12 @@ TEST(FetchCount, InModePlainIncludesOneMotionTableFetchPerStep) {
 }
 
 TEST(FetchCount, DoesNotChangeThePicture) {
-  for (const PipelineMode mode : {PipelineMode::plain, PipelineMode::fast}) {
+  for (const auto& [mode, projection] : {std::pair(PipelineMode::plain, Projection::parallel),
+                                         {PipelineMode::fast, Projection::parallel},
+                                         {PipelineMode::fast, Projection::perspective}}) {
     RenderOptions options = testing::small_options();
     options.pipeline.mode = mode;
+    options.view.projection = projection;
     const hw::PolarVolume volume = testing::noisy_scene();
     const Picture alone = render_volume(gl_context(), volume, options);
     for (const PassTime& pass : alone.passes) EXPECT_TRUE(pass.fetches.empty()) << pass.name;
