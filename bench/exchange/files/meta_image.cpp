@@ -78,7 +78,7 @@ void read_positions(VoxelFile& file) {
   };
   const std::size_t axes = file.sizes.size();
   const auto spacing = value({"ElementSpacing", "ElementSize"});
-  if (spacing == file.fields.end() || axes > 3) return;
+  if (spacing == file.fields.end()) return;
   const auto step = numbers_in(file.path, spacing->first, spacing->second, axes);
   std::vector<double> matrix(axes * axes, 0.0), offset(axes, 0.0);
   for (std::size_t i = 0; i < axes; ++i) matrix[i * axes + i] = 1;
@@ -90,9 +90,10 @@ void read_positions(VoxelFile& file) {
   if (placed != file.fields.end()) {
     offset = numbers_in(file.path, placed->first, placed->second, axes);
   }
-  for (std::size_t axis = 0; axis < axes; ++axis) {
+  const std::size_t in_space = std::min<std::size_t>(axes, 3);  // a fourth one is time
+  for (std::size_t axis = 0; axis < in_space; ++axis) {
     glm::dvec3 direction(0);
-    for (std::size_t k = 0; k < axes; ++k) {
+    for (std::size_t k = 0; k < in_space; ++k) {
       direction[static_cast<int>(k)] = step[axis] * matrix[axis * axes + k];
     }
     file.directions_mm.emplace_back(direction);

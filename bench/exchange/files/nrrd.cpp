@@ -137,7 +137,7 @@ std::vector<std::string> vector_words(const std::string& text) {
   std::vector<std::string> words;
   bool inside = false;
   for (const char c : text) {
-    if (c == ' ' && !inside) {
+    if ((c == ' ' || c == '\t') && !inside) {
       words.emplace_back();
       continue;
     }
@@ -149,15 +149,26 @@ std::vector<std::string> vector_words(const std::string& text) {
   return words;
 }
 
+/// `count`: of what the field holds, `what`.
+void check_count(const VoxelFile& file,
+                 const std::string& field,
+                 const std::string& value,
+                 std::size_t count,
+                 const std::string& what) {
+  if (count == file.sizes.size()) return;
+  throw UserError(file.path.string() + ": " + field + " = " + value + ": must be " +
+                  std::to_string(file.sizes.size()) + " " + what + ", one an axis");
+}
+
 void read_directions(VoxelFile& file, const NrrdText& header) {
   const auto found = header.fields.find("space directions");
   if (found == header.fields.end()) {
     const std::string spacings = value_or(header, "spacings", "");
     if (spacings.empty()) return;
-    std::istringstream words(spacings);
-    std::string word;
-    for (std::size_t axis = 0; axis < file.sizes.size(); ++axis) {
-      words >> word;
+    const auto words = vector_words(spacings);
+    check_count(file, "spacings", spacings, words.size(), "numbers");
+    for (std::size_t axis = 0; axis < words.size(); ++axis) {
+      const std::string& word = words[axis];
       auto& direction = file.directions_mm.emplace_back();
       if (word == "nan" || word == "NaN" || axis > 2) continue;
       const double spacing_mm = numbers_in(file.path, "spacings", word, 1)[0];
@@ -168,10 +179,7 @@ void read_directions(VoxelFile& file, const NrrdText& header) {
   }
   const glm::dvec3 lps = to_lps(needed(header, "space", file.path), file.path);
   const auto words = vector_words(found->second);
-  if (words.size() != file.sizes.size()) {
-    throw UserError(file.path.string() + ": space directions = " + found->second + ": must be " +
-                    std::to_string(file.sizes.size()) + " vectors, one an axis");
-  }
+  check_count(file, "space directions", found->second, words.size(), "vectors");
   for (const auto& word : words) {
     auto direction = vector_in(file.path, "space directions", word);
     if (direction) *direction *= lps;

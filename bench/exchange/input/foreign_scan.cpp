@@ -394,6 +394,24 @@ ForeignScan polar_scan(const Described& described) {
           .summary = summary_of(described, values, "sticks: samples by line and frame")};
 }
 
+/// One step along an axis of the array, as the file says it. Throws UserError where it does not.
+glm::dvec3 direction_mm(const ForeignArray& array, std::size_t axis) {
+  const VoxelFile& file = array.file();
+  const std::size_t in_file = array.axis_in_file(axis);
+  if (file.directions_mm.empty()) {
+    const bool is_meta_image = foreign_format(file.path) == ForeignFormat::meta_image;
+    throw UserError(file.path.string() + ": has no spacing" +
+                    (is_meta_image ? ": ElementSpacing is missing" : "") +
+                    "; must be given as geometry.spacing_mm");
+  }
+  if (in_file < file.directions_mm.size()) {
+    const auto& direction = file.directions_mm[in_file];
+    if (direction && glm::length(*direction) > 0) return *direction;
+  }
+  throw UserError(file.path.string() + ": axis " + std::to_string(in_file) +
+                  " has no direction in space; must have one");
+}
+
 /// Millimetres along the first two axes.
 std::array<double, 2> pixel_m(const Described& described, const ForeignArray& array) {
   const Geometry& geometry = described.geometry;
@@ -406,8 +424,7 @@ std::array<double, 2> pixel_m(const Described& described, const ForeignArray& ar
     described.need("spacing_mm", "mm from column to column and from row to row");
   std::array<double, 2> step{};
   for (std::size_t i = 0; i < 2; ++i) {
-    const auto& direction = array.file().directions_mm.at(array.axis_in_file(i));
-    step.at(i) = glm::length(direction.value()) * kMillimetre;
+    step.at(i) = glm::length(direction_mm(array, i)) * kMillimetre;
   }
   return step;
 }
@@ -457,9 +474,6 @@ VoxelGrid grid_of(const Described& described, const ForeignArray& array) {
   if (geometry.has("spacing_mm") && geometry.spacing_m.size() != 3) {
     described.refuse("geometry.spacing_mm: must be three numbers, along x, y and z");
   }
-  if (file.directions_mm.empty() && !geometry.has("spacing_mm")) {
-    throw UserError(file.path.string() + ": has no spacing; must be given as geometry.spacing_mm");
-  }
   for (std::size_t i = 0; i < 3; ++i) {
     const int axis = static_cast<int>(i);
     if (geometry.has("spacing_mm")) {
@@ -467,12 +481,7 @@ VoxelGrid grid_of(const Described& described, const ForeignArray& array) {
       grid.step_m[axis][axis] = geometry.spacing_m[i];
       continue;
     }
-    const auto& direction = file.directions_mm.at(array.axis_in_file(i));
-    if (!direction || glm::length(*direction) == 0) {
-      throw UserError(file.path.string() + ": axis " + std::to_string(array.axis_in_file(i)) +
-                      " has no direction in space; must have one");
-    }
-    grid.step_m[axis] = *direction * kMillimetre;
+    grid.step_m[axis] = direction_mm(array, i) * kMillimetre;
   }
   grid.origin_m = file.origin_mm * kMillimetre;
   if (std::abs(glm::determinant(grid.step_m)) < 1e-15) {

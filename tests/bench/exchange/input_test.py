@@ -43,6 +43,13 @@ def nrrd(array, type_name, directions="(0.5,0,0) (0,0.5,0) (0,0,0.5)", space="le
             f"encoding: raw\n{more}\n").encode() + array.tobytes()
 
 
+def fields_of_planes(equals):
+    """What `export` writes of planes besides their sizes and spacing."""
+    fields = {"content": "planes", "radius_mm": 40, "wobble_radius_mm": 27, "sector_deg": 77, "fan_deg": 61,
+              "depth_mm": 160, "dynamic_range_db": 60, "center_px": "16 -4"}
+    return "".join(f"wobblebench_{key}{equals}{value}\n" for key, value in fields.items())
+
+
 def kretz(voxels, resolution_m=0.0005, first=100.0, axis=60.0, sector=1.2, fan=1.0, tag=0xD000):
     """As SlicerHeart's reader decodes it: axis > 0 lies behind the centre of curvature."""
     frames, lines, samples = voxels.shape
@@ -403,6 +410,10 @@ class Bad(Input):
         nan[1, 2, 3] = np.nan
         self.refused(self.board(self.write("n.mha", mha(nan, element="MET_FLOAT")), **POLAR, black=0.0, white=1.0),
                      "voxel 51 is no finite number")
+        self.refused("file=" + self.write("p.mha", mha(np.zeros((2, 32, 32), np.uint8), more=fields_of_planes(" = "))),
+                     "has no spacing: ElementSpacing is missing; must be given as geometry.spacing_mm")
+        flat = self.board(self.write("p.mha", mha(np.zeros((32, 32), np.uint8), "1 1")), layout="cartesian", dynamic_range_db=60.0)
+        self.refused(flat, "axis 2 has no direction in space")
 
     def test_nrrd(self):
         grid = np.zeros((5, 6, 7), np.uint8)
@@ -412,9 +423,12 @@ class Bad(Input):
                  "has no spacing": nrrd(grid, "uint8", None), "in one plane": nrrd(grid, "uint8", "(1,0,0) (1,0,0) (0,0,1)"),
                  "one an axis": nrrd(grid, "uint8", "(1,0,0) (0,1,0)"), "space = scanner-xyz": nrrd(grid, "uint8", space="scanner-xyz"),
                  "must be 3 numbers": nrrd(grid, "uint8", "(1,0) (0,1,0) (0,0,1)"), "has no end": nrrd(grid, "uint8")[:50],
+                 "spacings = 1 2: must be 3 numbers": nrrd(grid, "uint8", None, more="spacings: 1 2\n"),
                  "endian = middle": nrrd(np.zeros((5, 6, 7), np.uint16), "uint16", endian="middle")}
         for says, data in cases.items():
             self.refused(self.board(self.write("b.nrrd", data), **keys), says)
+        planes = nrrd(np.zeros((2, 32, 32), np.uint8), "uint8", "none none none", more=fields_of_planes(":="))
+        self.refused("file=" + self.write("p.nrrd", planes), "axis 0 has no direction in space")
 
     def test_raw_and_geometry(self):
         file = self.write("b.raw", bytes(3 * 4 * 8))
