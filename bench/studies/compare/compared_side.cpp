@@ -8,6 +8,7 @@
 #include <stdexcept>
 
 #include "base/file.h"
+#include "base/text.h"
 #include "base/user_error.h"
 #include "bench/scene/reported_run.h"
 #include "bench/studies/compare/child_program.h"
@@ -31,6 +32,16 @@ std::string read_if_there(const fs::path& file) {
   std::error_code ignored;
   constexpr std::size_t kMostPictureBytes = 100'000'000;
   return fs::is_regular_file(file, ignored) ? read_file(file, kMostPictureBytes) : "";
+}
+
+/// The scene's name in the names of its pictures: what keeps the artefacts of continuous
+/// integration refuses these characters.
+std::string file_part(std::string name) {
+  const auto is_refused = [](char c) {
+    return is_control(c) || std::string_view("\":<>|*?\\").find(c) != std::string_view::npos;
+  };
+  std::ranges::replace_if(name, is_refused, '_');
+  return name;
 }
 
 std::string settings_text(const std::vector<std::string>& settings) {
@@ -103,8 +114,10 @@ std::vector<ComparedScene> compared_scenes(const std::vector<std::string>& files
   std::vector<ComparedScene> scenes;
   for (const std::string& file : files) {
     ComparedScene scene{fs::path(file).stem().string(), file};
-    if (std::ranges::find(scenes, scene.name, &ComparedScene::name) != scenes.end()) {
-      throw UserError("--scene = " + file + ": another scene is called " + scene.name + ", too");
+    const auto part_of = [](const ComparedScene& of) { return file_part(of.name); };
+    const auto same = std::ranges::find(scenes, part_of(scene), part_of);
+    if (same != scenes.end()) {
+      throw UserError("--scene = " + file + ": another scene is called " + same->name + ", too");
     }
     scenes.push_back(std::move(scene));
   }
@@ -157,7 +170,7 @@ std::string compared_picture(const std::string& side,
                              const std::string& scene,
                              const std::string& kind) {
   std::string name = side;
-  return name.append("_").append(scene).append("_").append(kind).append(".png");
+  return name.append("_").append(file_part(scene)).append("_").append(kind).append(".png");
 }
 
 KeptPictures kept_pictures(const ComparedSide& side, const ComparedScene& scene) {
