@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <string_view>
 
-#include "base/number_text.h"
 #include "base/text.h"
 
 namespace wobblebench::bench {
@@ -51,7 +50,7 @@ std::string attribute(std::string_view name, std::string_view value) {
 std::string case_xml(const std::string& suite, const TestCase& test) {
   std::string xml = "  <testcase";
   xml += attribute("classname", test.group.empty() ? suite : suite + "." + test.group) +
-         attribute("name", test.name) + attribute("time", fixed(test.seconds, 3)) + ">\n";
+         attribute("name", test.name) + ">\n";
   if (!test.failure.empty()) {
     xml += "   <failure" + attribute("message", test.failure) + ">" + xml_text(test.failure) +
            "</failure>\n";
@@ -71,16 +70,12 @@ std::string junit_xml(const std::string& suite, const std::vector<TestCase>& cas
       std::ranges::count_if(cases, [](const auto& c) { return !c.failure.empty(); });
   const auto skipped = std::ranges::count_if(
       cases, [](const auto& c) { return c.failure.empty() && !c.skipped.empty(); });
-  double seconds = 0;
   std::string body;
-  for (const TestCase& test : cases) {
-    seconds += test.seconds;
-    body += case_xml(suite, test);
-  }
-  const std::string counts =
-      attribute("tests", std::to_string(cases.size())) +
-      attribute("failures", std::to_string(failed)) + attribute("errors", "0") +
-      attribute("skipped", std::to_string(skipped)) + attribute("time", fixed(seconds, 3));
+  for (const TestCase& test : cases) body += case_xml(suite, test);
+  const std::string counts = attribute("tests", std::to_string(cases.size())) +
+                             attribute("failures", std::to_string(failed)) +
+                             attribute("errors", "0") +
+                             attribute("skipped", std::to_string(skipped));
   return "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<testsuites>\n <testsuite" +
          attribute("name", suite) + counts + ">\n" + body + " </testsuite>\n</testsuites>\n";
 }

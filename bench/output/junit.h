@@ -13,7 +13,6 @@ struct TestCase {
   std::string failure = {};  ///< why it failed, one line; empty: it passed, or was skipped
   std::string skipped = {};  ///< why it was not made; empty: it was made
   std::string output = {};   ///< what was measured, for people
-  double seconds = 0;        ///< wall time
 };
 
 /// The text of a file: one suite, named `suite`, with a test case a check. Characters that XML
