@@ -2,12 +2,32 @@
 
 #include <fcntl.h>
 #include <spawn.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 #include <array>
+#include <chrono>
 #include <cstring>
+#include <thread>
 
 namespace wobblebench::bench {
+
+namespace {
+
+constexpr std::chrono::milliseconds kPatience{1000}, kAskEvery{10};
+
+/// Why a program ended soon after its start; empty: it did its work, or is still at it.
+std::string early_failure(pid_t child) {
+  int status = 0;
+  for (auto waited = kPatience * 0; waited < kPatience; waited += kAskEvery) {
+    if (::waitpid(child, &status, WNOHANG) != 0) break;
+    std::this_thread::sleep_for(kAskEvery);
+  }
+  if (WIFSIGNALED(status)) return std::string("ended by ") + ::strsignal(WTERMSIG(status));
+  return WEXITSTATUS(status) == 0 ? "" : "failed: exit code " + std::to_string(WEXITSTATUS(status));
+}
+
+}  // namespace
 
 std::string open_in_browser(const std::filesystem::path& page) {
   return open_address(std::filesystem::absolute(page).string());
@@ -26,9 +46,9 @@ std::string open_address(const std::string& address) {
   const int error =
       ::posix_spawnp(&child, program.c_str(), &actions, nullptr, words.data(), environ);
   ::posix_spawn_file_actions_destroy(&actions);
-  if (error == 0) return "";
-  return std::string("--open: xdg-open cannot be started: ") + std::strerror(error) +
-         "; the page is " + place;
+  const std::string failure =
+      error != 0 ? std::string("cannot be started: ") + std::strerror(error) : early_failure(child);
+  return failure.empty() ? "" : "--open: xdg-open " + failure + "; the page is " + place;
 }
 
 }  // namespace wobblebench::bench

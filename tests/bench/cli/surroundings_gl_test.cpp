@@ -1,6 +1,7 @@
 // Files that cannot be read and drivers of OpenGL that are not there, by running the program.
 #include <gtest/gtest.h>
 
+#include <cerrno>
 #include <nlohmann/json.hpp>
 #include <thread>
 
@@ -57,6 +58,10 @@ TEST_F(Surroundings, ThePageIsOpenedAndDoesNotFailWhereNothingOpensIt) {
   expect_line(run(words, {.environment = {{"PATH", at("out").string()}}}),
               0,
               "warning: --open: xdg-open cannot be started: ");
+  folder_.write("xdg-open", "#!/bin/sh\nexit 3\n");
+  expect_line(run(words, {.environment = {{"PATH", folder_.path().string() + ":/usr/bin:/bin"}}}),
+              0,
+              "warning: --open: xdg-open failed: exit code 3; the page is ");
 }
 
 TEST_F(Surroundings, TheCpuInThePlaceOfADeviceIsSaid) {
