@@ -7,6 +7,7 @@
 
 #include <array>
 #include <cerrno>
+#include <cstdlib>
 #include <cstring>
 #include <stdexcept>
 #include <string>
@@ -129,6 +130,14 @@ void sync_file(const std::filesystem::path& path) {
 
 void sync_folder(const std::filesystem::path& path) {
   sync_path(path, O_DIRECTORY);
+}
+
+std::optional<std::filesystem::path> cache_home() {
+  for (const auto& [variable, below] : {std::pair{"XDG_CACHE_HOME", ""}, {"HOME", ".cache"}}) {
+    const char* value = std::getenv(variable);
+    if (value != nullptr && value[0] == '/') return std::filesystem::path(value) / below;
+  }
+  return std::nullopt;
 }
 
 FolderLock::FolderLock(const std::filesystem::path& folder) : path_(folder / kFileName) {

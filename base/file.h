@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <functional>
 #include <limits>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -71,6 +72,10 @@ void write_file(const std::filesystem::path& path, std::string_view bytes);
 /// a file that cannot be written whole nothing is left. `folder`: an open descriptor of the path's
 /// folder, through which it is reached whatever has that folder's name now; -1: by the path.
 void write_new_file(const std::filesystem::path& path, std::string_view bytes, int folder = -1);
+
+/// $XDG_CACHE_HOME, else $HOME/.cache; none where neither variable holds an absolute path, the only
+/// kind that the XDG Base Directory Specification allows.
+std::optional<std::filesystem::path> cache_home();
 
 /// An exclusive lock on a folder: a hidden file `.wobblebench.lock` in it, locked with flock(2), so
 /// that a lock ends with its process however that ends. The file is removed with the lock; one that

@@ -9,7 +9,6 @@
 #include <algorithm>
 #include <atomic>
 #include <cerrno>
-#include <cstdlib>
 #include <cstring>
 #include <system_error>
 #include <vector>
@@ -178,11 +177,8 @@ void BlobCache::keep_bound() const {
 }
 
 std::optional<fs::path> default_cache_folder() {
-  for (const auto& [variable, below] : {std::pair{"XDG_CACHE_HOME", ""}, {"HOME", ".cache"}}) {
-    const char* value = std::getenv(variable);
-    if (value != nullptr && value[0] == '/') return fs::path(value) / below / "wobblebench";
-  }
-  return std::nullopt;
+  const auto home = cache_home();
+  return home ? std::optional(*home / "wobblebench") : std::nullopt;
 }
 
 }  // namespace wobblebench::bench

@@ -52,8 +52,7 @@ class BlobCache {
   std::uint64_t most_bytes_;
 };
 
-/// $XDG_CACHE_HOME/wobblebench, else ~/.cache/wobblebench; none where neither variable holds an
-/// absolute path.
+/// cache_home()/wobblebench.
 std::optional<std::filesystem::path> default_cache_folder();
 
 }  // namespace wobblebench::bench

@@ -10,6 +10,7 @@
 #include <filesystem>
 #include <string>
 
+#include "base/file.h"
 #include "bench/command/program.h"
 
 namespace wobblebench::bench {
@@ -42,12 +43,16 @@ void explain_crashes(const char* program) {
 #endif
 }
 
+/// Mesa would make its cache of shaders below a relative path, in the working folder.
+void ignore_relative_cache_home() {
+  const char* folder = std::getenv("XDG_CACHE_HOME");
+  if (folder != nullptr && folder[0] != '/') ::unsetenv("XDG_CACHE_HOME");
+}
+
 /// As Mesa finds it; empty: nowhere.
 fs::path shader_cache() {
-  if (const char* folder = std::getenv("MESA_SHADER_CACHE_DIR")) return folder;
-  if (const char* folder = std::getenv("XDG_CACHE_HOME")) return folder;
-  const char* home = std::getenv("HOME");
-  return home == nullptr ? fs::path() : fs::path(home) / ".cache";
+  const char* folder = std::getenv("MESA_SHADER_CACHE_DIR");
+  return folder != nullptr ? fs::path(folder) : cache_home().value_or("");
 }
 
 void avoid_a_full_shader_cache() {
@@ -67,6 +72,7 @@ void expect_machine_limits(const char* program) {
   // A handler, unlike SIG_IGN, is not passed on to programs that this one starts.
   std::signal(SIGXFSZ, do_nothing);
   explain_crashes(program);
+  ignore_relative_cache_home();
   avoid_a_full_shader_cache();
 }
 

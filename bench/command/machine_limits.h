@@ -9,7 +9,8 @@ namespace wobblebench::bench {
 /// and ends nothing. Where the address space is limited (RLIMIT_AS), OpenGL's drivers crash for
 /// want of memory: the program ends with one line and exit code 1 then. Mesa maps its shader cache,
 /// and a mapped file that the disk has no room for is a SIGBUS: where the cache's disk has less
-/// than kLeastCacheRoom bytes left, shaders are compiled anew. `program`: its name; must outlive
+/// than kLeastCacheRoom bytes left, shaders are compiled anew. A relative $XDG_CACHE_HOME is unset
+/// (cache_home()). `program`: its name; must outlive
 /// the program's run.
 void expect_machine_limits(const char* program);
 

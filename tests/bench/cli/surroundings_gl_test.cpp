@@ -64,6 +64,16 @@ TEST_F(Surroundings, ThePageIsOpenedAndDoesNotFailWhereNothingOpensIt) {
               "warning: --open: xdg-open failed: exit code 3; the page is ");
 }
 
+/// The cache of shaders, which is Mesa's, and that of phantoms.
+TEST_F(Surroundings, ARelativeCacheFolderIsIgnored) {
+  const auto result =
+      run(with({"run", "--out", "out"}, {kSphere, kScan, kPicture}),
+          {.environment = {{"XDG_CACHE_HOME", "cache"}, {"HOME", at("home")}}, .no_cache = true});
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_EQ(folder_.files(), (Words{"home", "out"}));
+  EXPECT_EQ(folder_.files("home/.cache/wobblebench").size(), 2U) << "a phantom and its map";
+}
+
 TEST_F(Surroundings, TheCpuInThePlaceOfADeviceIsSaid) {
   const auto result =
       run(with({"run", "--gl", "egl-device", "--out", "out"}, {kSphere, kScan, kPicture}));
