@@ -147,7 +147,9 @@ FolderLock::FolderLock(const std::filesystem::path& folder) : path_(folder / kFi
     if (!file_.is_open()) fail(path_);
     if (::flock(file_.get(), LOCK_EX | LOCK_NB) != 0) {
       if (errno == EWOULDBLOCK) throw FolderInUse();
-      fail(path_);
+      const bool has_no_locks = errno == ENOLCK || errno == EOPNOTSUPP || errno == ENOSYS;
+      if (!has_no_locks) fail(path_);
+      keeps_others_out_ = false;
     }
   } while (!has_name(file_.get(), path_.c_str()));
 }

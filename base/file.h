@@ -79,7 +79,8 @@ std::optional<std::filesystem::path> cache_home();
 
 /// An exclusive lock on a folder: a hidden file `.wobblebench.lock` in it, locked with flock(2), so
 /// that a lock ends with its process however that ends. The file is removed with the lock; one that
-/// a dead process left behind is used again.
+/// a dead process left behind is used again. On a file system without flock(2), as some of a
+/// network are, it keeps nobody out.
 class FolderLock {
  public:
   static constexpr const char* kFileName = ".wobblebench.lock";
@@ -92,9 +93,11 @@ class FolderLock {
   FolderLock& operator=(const FolderLock&) = delete;
 
   const std::filesystem::path& file() const { return path_; }
+  bool keeps_others_out() const { return keeps_others_out_; }
 
  private:
   std::filesystem::path path_;
+  bool keeps_others_out_ = true;
   FileDescriptor file_;
 };
 

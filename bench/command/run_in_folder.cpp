@@ -93,6 +93,7 @@ int run_in_folder(const OutputArguments& output,
   OutputFolder out(output.folder);
   check_junit(output.junit);
   Progress progress(steps);
+  progress.warn(out.warning());
   CommandResult result = work(out, progress);
   if (result.report.empty()) {
     // There is no report to say it.

@@ -120,6 +120,16 @@ void on_signal(int signal) {
 
 }  // namespace
 
+std::string why_not_made(const fs::path& folder, const std::error_code& error) {
+  std::error_code ignored;
+  for (const fs::path& missing : missing_folders(folder)) {
+    if (!fs::is_symlink(missing, ignored)) continue;
+    return missing.string() + " is a symbolic link to " +
+           fs::read_symlink(missing, ignored).string() + ", which leads to no folder";
+  }
+  return error.message();
+}
+
 OutputFolder::OutputFolder(const fs::path& directory, std::string option)
     : directory_(directory), option_(std::move(option)) {
   const BlockedSignals blocked;  // nothing exists that is not noted
@@ -143,11 +153,18 @@ void OutputFolder::refuse(const std::string& reason, const std::string& allowed)
                   "; must be a folder that " + allowed);
 }
 
+std::string OutputFolder::warning() const {
+  if (lock_->keeps_others_out()) return "";
+  return option_ + " = " + directory_.string() +
+         ": its file system has no locks (flock); another command that writes to it meanwhile is "
+         "not kept out";
+}
+
 void OutputFolder::make_directory() {
   for (const fs::path& folder : missing_folders(directory_)) {
     std::error_code error;
     if (fs::create_directory(folder, error)) removals_.note_folder(AT_FDCWD, folder);
-    if (error) refuse(error.message(), kWritable);
+    if (error) refuse(why_not_made(folder, error), kWritable);
   }
   std::error_code error;
   if (fs::is_directory(directory_, error)) return;

@@ -9,6 +9,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <system_error>
 #include <vector>
 
 #include "base/file.h"
@@ -40,6 +41,10 @@ class Removals {
 
   std::deque<std::filesystem::path> paths_;  ///< a deque: the signal handler has pointers into it
 };
+
+/// The system's reason, or that the path leads through a link to nothing, which the system calls
+/// "File exists".
+std::string why_not_made(const std::filesystem::path& folder, const std::error_code& error);
 
 /// Blocks these signals on this thread while it lives.
 class BlockedSignals {
@@ -96,6 +101,8 @@ class OutputFolder {
   void commit();
 
   const std::filesystem::path& directory() const { return directory_; }
+  /// What a user should know of the folder: that nothing keeps another command out; empty: nothing.
+  std::string warning() const;
 
  private:
   [[noreturn]] void refuse(const std::string& reason, const std::string& allowed) const;

@@ -2,6 +2,8 @@
 // kills it there. WOBBLEBENCH_FAIL=KIND:N:fail|kill names the Nth call of a kind after main()
 // begins: open, write, rename, sync, link or allocate; `any` is each of these but allocate, and
 // what else changes files. When that call is reached, the file WOBBLEBENCH_FAIL_REACHED is made.
+// WOBBLEBENCH_FLOCK_ERRNO=NUMBER: every flock(2) fails so, as on a file system without it.
+// WOBBLEBENCH_NO_THREADS=1: no thread can be started, from before main() on.
 #include <dlfcn.h>
 #include <fcntl.h>
 #include <sys/stat.h>
@@ -167,6 +169,24 @@ int unlinkat(int folder, const char* path, int flags) noexcept {
 int unlink(const char* path) noexcept {
   static auto* const real = next<int(const char*)>("unlink");
   return is_reached("unlink") ? fail(EIO) : real(path);
+}
+
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wshadow"  // of the structure of the same name
+int flock(int file, int operation) noexcept {
+  static auto* const real = next<int(int, int)>("flock");
+  const char* const reason = std::getenv("WOBBLEBENCH_FLOCK_ERRNO");
+  return reason != nullptr ? fail(std::atoi(reason)) : real(file, operation);
+}
+#pragma GCC diagnostic pop
+
+int pthread_create(pthread_t* thread,
+                   const pthread_attr_t* attributes,
+                   void* (*body)(void*),
+                   void* argument) noexcept {
+  static auto* const real = next<decltype(pthread_create)>("pthread_create");
+  if (std::getenv("WOBBLEBENCH_NO_THREADS") != nullptr) return EAGAIN;
+  return real(thread, attributes, body, argument);
 }
 
 int ftruncate64(int file, off64_t bytes) noexcept {

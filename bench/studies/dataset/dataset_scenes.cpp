@@ -12,6 +12,7 @@
 #include "base/user_error.h"
 #include "bench/cache/sha256.h"
 #include "bench/command/program.h"
+#include "bench/output/output_folder.h"
 #include "bench/output/report_parts.h"
 #include "bench/scene/scene_text.h"
 #include "bench/studies/compare/child_program.h"
@@ -55,7 +56,7 @@ Json read_json(const fs::path& file) {
 void make_folder(const fs::path& folder) {
   std::error_code error;
   fs::create_directories(folder, error);
-  if (error) refuse_out(folder, "cannot be made: " + error.message());
+  if (error) refuse_out(folder, "cannot be made: " + why_not_made(folder, error));
 }
 
 /// Under its name as a whole, or not at all; several commands may write the same at once.

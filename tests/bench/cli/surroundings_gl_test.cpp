@@ -74,6 +74,26 @@ TEST_F(Surroundings, ARelativeCacheFolderIsIgnored) {
   EXPECT_EQ(folder_.files("home/.cache/wobblebench").size(), 2U) << "a phantom and its map";
 }
 
+TEST_F(Surroundings, AFileSystemWithoutLocksIsWrittenAndThatIsSaid) {
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+  GTEST_SKIP() << "a sanitizer replaces the same functions";
+#endif
+  for (const int reason : {ENOLCK, EOPNOTSUPP, ENOSYS, EIO}) {
+    const std::string number = std::to_string(reason), cache = "cache" + number;
+    const auto result = run(with({"phantom", "--out", number}, {kSphere}),
+                            {.environment = {{"LD_PRELOAD", WOBBLEBENCH_FAILING_CALLS},
+                                             {"WOBBLEBENCH_FLOCK_ERRNO", number}},
+                             .cache_home = at(cache)});
+    if (reason == EIO) {
+      expect_line(result, 2, "--out = 5: Input/output error; must be a folder");
+      continue;
+    }
+    expect_line(result, 0, "warning: --out = " + number + ": its file system has no locks");
+    EXPECT_EQ(folder_.files(number), (Words{"phantom.vdb", "report.html", "report.json"}));
+    EXPECT_EQ(folder_.files(cache + "/wobblebench").size(), 1U);
+  }
+}
+
 TEST_F(Surroundings, TheCpuInThePlaceOfADeviceIsSaid) {
   const auto result =
       run(with({"run", "--gl", "egl-device", "--out", "out"}, {kSphere, kScan, kPicture}));

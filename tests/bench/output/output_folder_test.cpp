@@ -85,6 +85,24 @@ TEST(OutputFolder, RefusesWhatIsNoFolder) {
   EXPECT_THROW(OutputFolder{file / "below"}, UserError);
 }
 
+TEST(OutputFolder, NamesTheLinkThatLeadsToNoFolder) {
+  const ScratchFolder scratch;
+  const auto link = scratch.path() / "link";
+  std::filesystem::create_symlink("gone", link);
+  for (const auto& out : {link, link / "below"}) {
+    try {
+      const OutputFolder folder(out);
+      ADD_FAILURE() << out;
+    } catch (const UserError& error) {
+      EXPECT_EQ(error.what(),
+                "--out = " + out.string() + ": " + link.string() +
+                    " is a symbolic link to gone, which leads to no folder; must be a folder that "
+                    "can be written");
+    }
+  }
+  EXPECT_EQ(scratch.files(), Names{"link"});
+}
+
 TEST(OutputFolder, AFullDiskIsSaidHoweverLate) {
   const ScratchFolder scratch;
   OutputFolder out(scratch.path());

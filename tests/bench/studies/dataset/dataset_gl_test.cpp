@@ -155,6 +155,15 @@ TEST_F(Dataset, VerifyFindsAFlippedByte) {
   EXPECT_NE(other.out.find(file + ": differs"), std::string::npos) << other.out;
 }
 
+TEST_F(Dataset, RefusesALinkThatLeadsToNoFolder) {
+  fs::create_symlink("gone", folder_.path() / "link");
+  const ProcessResult result = dataset({"--out", "link"});
+  EXPECT_EQ(result.exit_code, 2);
+  EXPECT_NE(result.err.find("link is a symbolic link to gone, which leads to no folder"),
+            std::string::npos)
+      << result.err;
+}
+
 TEST_F(Dataset, RefusesAFolderOfAnotherPlan) {
   ASSERT_EQ(dataset({"--out", "whole", "--shard", "1/4"}).exit_code, 0);
   folder_.write("plan.toml", "# changed\n" + kPlan);
