@@ -32,11 +32,10 @@ void do_nothing(int) {}
 
 void explain_crashes(const char* program) {
 #if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
-  rlimit limit{};
-  if (::getrlimit(RLIMIT_AS, &limit) != 0 || limit.rlim_cur == RLIM_INFINITY) return;
-  last_line = std::string(program) + ": out of memory: the address space is limited to " +
-              std::to_string(limit.rlim_cur / 1'000'000) +
-              " MB (ulimit -v), for want of which the program crashed\n";
+  const std::string limit = address_space_limit();
+  if (limit.empty()) return;
+  last_line = std::string(program) + ": out of memory" + limit +
+              ", for want of which the program crashed\n";
   for (const int signal : {SIGSEGV, SIGBUS, SIGABRT}) std::signal(signal, on_crash);
 #else
   static_cast<void>(program);
@@ -67,6 +66,13 @@ void avoid_a_full_shader_cache() {
 }
 
 }  // namespace
+
+std::string address_space_limit() {
+  rlimit limit{};
+  if (::getrlimit(RLIMIT_AS, &limit) != 0 || limit.rlim_cur == RLIM_INFINITY) return "";
+  return ": the address space is limited to " + std::to_string(limit.rlim_cur / 1'000'000) +
+         " MB (ulimit -v)";
+}
 
 void expect_machine_limits(const char* program) {
   // A handler, unlike SIG_IGN, is not passed on to programs that this one starts.

@@ -1,6 +1,8 @@
 // What limits of the system would make of a program that does not expect them.
 #pragma once
 
+#include <string>
+
 namespace wobblebench::bench {
 
 /// To be called first in main(), before any thread.
@@ -13,6 +15,9 @@ namespace wobblebench::bench {
 /// (cache_home()). `program`: its name; must outlive
 /// the program's run.
 void expect_machine_limits(const char* program);
+
+/// ": the address space is limited to 614 MB (ulimit -v)"; empty: it is not.
+std::string address_space_limit();
 
 /// Several times what Mesa's index of shaders takes.
 inline constexpr unsigned long long kLeastCacheRoom = 32'000'000;

@@ -1,10 +1,13 @@
 #include "bench/command/program.h"
 
+#include <unistd.h>
+
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cerrno>
 #include <csignal>
 #include <cstdio>
+#include <cstdlib>
 #include <cstring>
 #include <exception>
 #include <filesystem>
@@ -12,6 +15,7 @@
 #include <iostream>
 #include <new>
 #include <stdexcept>
+#include <string_view>
 #include <system_error>
 
 #include "base/file.h"
@@ -115,7 +119,18 @@ std::string line_of(const fs::filesystem_error& error) {
 std::string line_of(const std::system_error& error) {
   const std::string reason = error.code().message();
   if (error.what() != reason) return error.what();
-  return "the system refuses a thread, a lock or memory: " + reason;
+  return "the system refuses a thread, a lock or memory: " + reason + address_space_limit();
+}
+
+/// Drivers of OpenGL do not say that the address space is why they fail.
+std::string limit_of_driver(std::string_view line) {
+  const bool is_of_driver = line.starts_with("no OpenGL") || line.ends_with("GL_OUT_OF_MEMORY");
+  return is_of_driver ? address_space_limit() : "";
+}
+
+/// OpenCV's exception, whose header is not included for it.
+bool is_out_of_memory(const std::exception& error) {
+  return std::string_view(error.what()).find("(-4:Insufficient memory)") != std::string_view::npos;
 }
 
 std::string& stored_command_line() {
@@ -135,6 +150,7 @@ void on_signal(int signal) {
 
 Refusal refusal_of(const std::exception_ptr& exception) {
   const std::string internal = "a fault of this program, please report it: ";
+  const std::string out_of_memory = "out of memory" + address_space_limit();
   try {
     std::rethrow_exception(exception);
   } catch (const UserError& error) {
@@ -142,7 +158,7 @@ Refusal refusal_of(const std::exception_ptr& exception) {
   } catch (const InvalidOption& error) {
     return {error.what(), kBadInput};
   } catch (const std::bad_alloc&) {
-    return {"out of memory", kFailed};
+    return {out_of_memory, kFailed};
   } catch (const fs::filesystem_error& error) {
     return {line_of(error), kFailed};
   } catch (const std::system_error& error) {
@@ -151,9 +167,9 @@ Refusal refusal_of(const std::exception_ptr& exception) {
       const std::logic_error& error) {  // also of containers, numbers in texts, optional values
     return {internal + error.what(), kFailed};
   } catch (const std::runtime_error& error) {
-    return {error.what(), kFailed};
+    return {error.what() + limit_of_driver(error.what()), kFailed};
   } catch (const std::exception& error) {  // of a library
-    return {internal + error.what(), kFailed};
+    return {is_out_of_memory(error) ? out_of_memory : internal + error.what(), kFailed};
   } catch (...) {
     return {internal + "an exception without a text", kFailed};
   }
@@ -172,6 +188,13 @@ int run_program(const Program& program, int argc, char** argv) {
     const Refusal refusal = refusal_of(std::current_exception());
     return report_error(program, refusal.line, refusal.code);
   }
+}
+
+void end_with_a_line() {
+  if (std::current_exception() == nullptr) std::abort();
+  const Refusal refusal = refusal_of(std::current_exception());
+  std::fprintf(stderr, "%s: %s\n", program_invocation_short_name, one_line(refusal.line).c_str());
+  ::_exit(refusal.code);
 }
 
 const std::string& command_line() {

@@ -46,6 +46,9 @@ struct Refusal {
 };
 Refusal refusal_of(const std::exception_ptr& exception);
 
+/// For std::set_terminate(): the line of an exception that nothing caught, and its exit code.
+[[noreturn]] void end_with_a_line();
+
 /// The program's command line as words of a shell, by run_program().
 const std::string& command_line();
 

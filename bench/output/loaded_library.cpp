@@ -6,6 +6,8 @@
 #include <stdexcept>
 #include <vector>
 
+#include "base/shared_library.h"
+
 namespace wobblebench::bench {
 
 namespace {
@@ -27,11 +29,12 @@ std::vector<fs::path> library_paths(const fs::path& name) {
 void* function_of_library(const std::string& name, const char* symbol, const std::string& what) {
   std::string reasons;
   for (const fs::path& path : library_paths("lib" + name + ".so")) {
-    void* const library = ::dlopen(path.c_str(), RTLD_NOW | RTLD_LOCAL);
-    if (library != nullptr) {
+    std::string reason;
+    if (void* const library = load_library(path, &reason)) {
       if (void* const function = ::dlsym(library, symbol)) return function;
+      reason = ::dlerror();
     }
-    reasons.append(reasons.empty() ? "" : "; ").append(::dlerror());
+    reasons.append(reasons.empty() ? "" : "; ").append(reason);
   }
   throw std::runtime_error(what + ": " + reasons);
 }

@@ -12,12 +12,14 @@
 #include <stdexcept>
 #include <vector>
 
+#include "base/shared_library.h"
+
 namespace wobblebench::render {
 namespace {
 
 /// libEGL, loaded at the first call and kept for the life of the process.
 void* libegl() {
-  static void* const loaded = dlopen("libEGL.so.1", RTLD_NOW | RTLD_LOCAL);
+  static void* const loaded = load_library("libEGL.so.1");
   if (!loaded) throw std::runtime_error("libEGL.so.1 is not here: install libegl1");
   return loaded;
 }

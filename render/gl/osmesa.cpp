@@ -13,14 +13,16 @@
 #include <stdexcept>
 #include <string>
 
+#include "base/shared_library.h"
+
 namespace wobblebench::render {
 namespace {
 
 /// libOSMesa, loaded at the first call and kept for the life of the process.
 void* libosmesa() {
   static void* const loaded = [] {
-    void* first = dlopen("libOSMesa.so.8", RTLD_NOW | RTLD_LOCAL);
-    return first ? first : dlopen("libOSMesa.so", RTLD_NOW | RTLD_LOCAL);
+    void* first = load_library("libOSMesa.so.8");
+    return first ? first : load_library("libOSMesa.so");
   }();
   if (!loaded) {
     throw std::runtime_error(

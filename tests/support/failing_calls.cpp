@@ -6,6 +6,7 @@
 // WOBBLEBENCH_NO_THREADS=1: no thread can be started, from before main() on.
 #include <dlfcn.h>
 #include <fcntl.h>
+#include <pthread.h>
 #include <sys/stat.h>
 #include <sys/syscall.h>
 #include <unistd.h>

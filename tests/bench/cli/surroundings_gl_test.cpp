@@ -94,6 +94,45 @@ TEST_F(Surroundings, AFileSystemWithoutLocksIsWrittenAndThatIsSaid) {
   }
 }
 
+/// As after `ulimit -v`, of which the program's libraries need more or less, by the machine.
+TEST_F(Surroundings, TooLittleAddressSpaceIsOneLineThatNamesTheLimit) {
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+  GTEST_SKIP() << "a sanitizer needs more address space than there is memory";
+#endif
+  const std::string small = " --set phantom.name=sphere --set phantom.voxel_mm=2";
+  ASSERT_EQ(run(with({"run", "--out", "scored"}, {kSphere, kScan, kPicture})).exit_code, 0);
+  int failed = 0;
+  for (const std::string& command :
+       {"run" + small,
+        "export sim --to out/scan.npz" + small,
+        std::string("score scored/depth.exr --scene scored/report.json")}) {
+    for (const char* const kilobytes : {"300000", "450000"}) {
+      const std::string line =
+          std::string("ulimit -v ") + kilobytes + " && exec " + WOBBLEBENCH_PROGRAM + " " + command;
+      const auto result = run_process("/bin/sh", {"-c", line}, folder_.path());
+      if (result.exit_code == 0) continue;
+      ++failed;
+      expect_line(result, 1, " MB (ulimit -v)");
+      EXPECT_EQ(result.err.find("a fault of this program"), std::string::npos) << result.err;
+      EXPECT_EQ(result.err.find("here: install"), std::string::npos) << result.err;
+    }
+  }
+  EXPECT_GE(failed, 3);
+}
+
+TEST_F(Surroundings, WithoutThreadsItEndsWithOneLine) {
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+  GTEST_SKIP() << "a sanitizer replaces the same functions";
+#endif
+  const auto result = run({"--version"},
+                          {.environment = {{"LD_PRELOAD", WOBBLEBENCH_FAILING_CALLS},
+                                           {"WOBBLEBENCH_NO_THREADS", "1"}}});
+  EXPECT_EQ(result.exit_code, 1);
+  EXPECT_EQ(result.err,
+            "wobblebench: the system refuses a thread, a lock or memory: Resource temporarily "
+            "unavailable\n");
+}
+
 TEST_F(Surroundings, TheCpuInThePlaceOfADeviceIsSaid) {
   const auto result =
       run(with({"run", "--gl", "egl-device", "--out", "out"}, {kSphere, kScan, kPicture}));

@@ -38,6 +38,13 @@ TEST(Refusals, EachTypeOfExceptionHasALine) {
   const std::string internal = "a fault of this program, please report it: ";
   expect_refusal(std::out_of_range("index 3"), kFailed, internal + "index 3");
   expect_refusal(std::exception(), kFailed, internal + "std::exception");
+  struct OpenCvException : std::exception {
+    const char* what() const noexcept override {
+      return "OpenCV(4.6.0) alloc.cpp:73: error: (-4:Insufficient memory) Failed to allocate 9 "
+             "bytes";
+    }
+  };
+  expect_refusal(OpenCvException(), kFailed, "out of memory");
   expect_refusal(42, kFailed, internal + "an exception without a text");
 }
 
