@@ -103,7 +103,10 @@ void write_file(const std::filesystem::path& path, std::string_view bytes) {
   if (!file.is_open()) refuse(errno);
   const int write_error = write_all(file.get(), bytes) ? sync_file(file.get()) : errno;
   const int close_error = file.close();
-  if (write_error != 0 || close_error != 0) refuse(write_error != 0 ? write_error : close_error);
+  if (write_error == 0 && close_error == 0) return;
+  std::error_code ignored;
+  if (std::filesystem::is_regular_file(path, ignored)) std::filesystem::remove(path, ignored);
+  refuse(write_error != 0 ? write_error : close_error);
 }
 
 bool write_all(int descriptor, std::string_view bytes) {

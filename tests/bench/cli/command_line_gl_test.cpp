@@ -1,4 +1,4 @@
-// The program: good input, paths of any bytes, interruption, a full disk.
+// The program: good input, paths of any bytes, interruption.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -7,7 +7,6 @@
 #include <filesystem>
 #include <map>
 #include <nlohmann/json.hpp>
-#include <set>
 
 #include "render/gl/context.h"
 #include "tests/bench/cli/program_under_test.h"
@@ -215,45 +214,6 @@ TEST(CommandLine, RunReportsTheGlThatRendered) {
   const auto result = bench(with({"run", "--json"}, {kQuick}), folder);  // --gl auto
   ASSERT_EQ(result.exit_code, 0) << result.err;
   EXPECT_EQ(nlohmann::json::parse(result.out).at("provenance").at("gl_backend"), first);
-}
-
-/// Runs `command` on a disk that is full one byte, and a hundred, before the end of each of its
-/// files. Nothing may be left, unless this run's reports are short enough to fit. Without a cache,
-/// whose files the limit would meet, too.
-void expect_no_half_file(const Words& command, const Words& results) {
-  const ScratchFolder folder;
-  ASSERT_EQ(bench(with(command, {Words{"--out", "whole"}}), folder, {.no_cache = true}).exit_code,
-            0);
-  ASSERT_EQ(folder.files("whole"), results);
-  std::set<long> limits = {0};
-  std::map<std::string, std::uintmax_t> sizes;
-  for (const auto& name : results) {
-    sizes[name] = fs::file_size(folder.path() / "whole" / name);
-    for (const long missing : {1L, 100L}) limits.insert(static_cast<long>(sizes[name]) - missing);
-  }
-  int failed = 0;
-  for (const long bytes : limits) {
-    SCOPED_TRACE(std::to_string(bytes) + " bytes");
-    const std::string out = "out" + std::to_string(bytes);
-    const auto result = bench(
-        with(command, {Words{"--out", out}}), folder, {.file_bytes = bytes, .no_cache = true});
-    failed += result.exit_code != 0;
-    EXPECT_EQ(folder.files(out), result.exit_code == 0 ? results : Words{}) << result.err;
-    for (const auto& name : folder.files(out)) {
-      if (name.starts_with("report.")) continue;  // it has times
-      EXPECT_EQ(fs::file_size(folder.path() / out / name), sizes[name]) << name;
-    }
-  }
-  EXPECT_GE(failed, static_cast<int>(limits.size()) - 4) << "all but those about the reports";
-}
-
-TEST(CommandLine, AFullDiskLeavesNoHalfRun) {
-  expect_no_half_file(with({"run"}, {kQuick}), kResults);
-}
-
-TEST(CommandLine, AFullDiskLeavesNoHalfPhantom) {
-  expect_no_half_file({"phantom", "--set", "phantom.name=sphere", "--set", "phantom.voxel_mm=2"},
-                      {"phantom.vdb", "report.html", "report.json"});
 }
 
 TEST(CommandLine, ResultsOfAnEarlierRunSurviveAFailedOne) {
