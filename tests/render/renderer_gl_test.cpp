@@ -141,6 +141,48 @@ TEST(Renderer, MidVolumeShowsFramesAsTheyArrive) {
   }
 }
 
+/// Two planes across the probe's axis, of which the later one is deeper: a pixel shows that of the
+/// volume whose frames lie where it looks, but within two frames of the edge.
+TEST(Renderer, MidVolumeShowsNewFramesBesideThoseOfTheVolumeBefore) {
+  constexpr int kNew = 10;  // of 21
+  const hw::AcquisitionPlan plan = testing::small_plan();
+  const auto plane_at = [&](double z_m) {
+    return testing::sample_field(plan, testing::plane({0, 0, z_m}, {0, 0, -1}, 4e-3));
+  };
+  const hw::PolarVolume before = plane_at(0.105), now = plane_at(0.125);
+  const auto angle_of = [&](int frame) {
+    return plan.motor_angle_rad({.frame = static_cast<std::uint32_t>(frame)});
+  };
+  for (const PipelineMode mode : {PipelineMode::fast, PipelineMode::plain}) {
+    RenderOptions options = testing::small_options();
+    options.pipeline = {mode, true};
+    Renderer renderer(gl_context(), plan, options);
+    renderer.add_volume(before);
+    renderer.render();
+    for (int frame = 0; frame < kNew; ++frame) renderer.add_frame(frame, now.frame(frame));
+    const Picture picture = renderer.render();
+    int shown_now = 0, shown_before = 0;
+    for (int row = 0; row < options.ray_casting.image_size; ++row) {
+      for (int column = 0; column < options.ray_casting.image_size; ++column) {
+        const double depth_m = picture.depth_m.at(column, row);
+        const glm::dvec3 at = make_camera(options).ray(column, row).at(depth_m);
+        const bool is_inside = std::abs(at.y) < 0.045;  // beyond it the fan cuts the planes
+        if (std::isnan(depth_m) || !is_inside) continue;
+        const double angle = std::atan2(-at.y, at.z - plan.geometry().axis_z_m());
+        const bool is_now = angle < angle_of(kNew - 2);
+        const bool is_before = angle > angle_of(kNew + 1);
+        // A soft edge is found up to its width, 4 mm, too early.
+        EXPECT_TRUE(!is_now || std::abs(at.z - 0.123) < 4e-3) << row << ": " << at.z;
+        EXPECT_TRUE(!is_before || std::abs(at.z - 0.103) < 4e-3) << row << ": " << at.z;
+        shown_now += is_now;
+        shown_before += is_before;
+      }
+    }
+    EXPECT_GT(shown_now, 300);
+    EXPECT_GT(shown_before, 300);
+  }
+}
+
 TEST(Renderer, SetViewGivesThePictureOfANewRenderer) {
   const hw::PolarVolume& scene = testing::noisy_scene();
   for (PipelineMode mode : {PipelineMode::fast, PipelineMode::plain}) {

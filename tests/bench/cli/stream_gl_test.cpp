@@ -166,6 +166,36 @@ TEST_F(StreamCommand, TheTraceIsOneThatPerfettoOpens) {
   EXPECT_EQ(from_pictures, 5);
 }
 
+/// Frames of 53 ms, after which there is time for a picture.
+TEST_F(StreamCommand, PicturesInMidVolumeComeBetweenThoseOfWholeVolumes) {
+  const auto result = bench(with({"stream",
+                                  "--policy",
+                                  "every",
+                                  "--volumes",
+                                  "3",
+                                  "--codec",
+                                  "none",
+                                  "--trace",
+                                  "--set",
+                                  "render.pipeline.mid_volume=true",
+                                  "--set",
+                                  "render.reconstruction.sticks=plain",
+                                  "--set",
+                                  "acquisition.frames_per_volume=9",
+                                  "--set",
+                                  "acquisition.sticks_per_frame=256"},
+                                 {kSphere, kPicture}));
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const auto tracks = tracks_of(json_of("out/trace.json")["traceEvents"]);
+  EXPECT_GT(tracks.at("renderer: passes 2 to 4").size(), 6U) << "twice as many as volumes";
+  const Json timing = json_of("out/report.json")["timing"];
+  EXPECT_EQ(timing["latency"]["shown"]["volumes"], 3);
+  EXPECT_EQ(timing["latency"]["shown"]["sticks"], 3 * 9 * 256);
+  EXPECT_TRUE(timing["errors"].empty());
+  EXPECT_NE(result.out.find("pictures show two volumes (mid_volume)"), std::string::npos)
+      << result.out;
+}
+
 TEST_F(StreamCommand, CtrlCEndsItWithWholeFiles) {
   ProcessResult result;
   for (std::chrono::milliseconds time(1000); time < std::chrono::minutes(1); time *= 2) {
