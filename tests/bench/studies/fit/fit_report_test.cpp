@@ -50,5 +50,32 @@ TEST(FitCharts, FoundAndCorrectedDifferInMarkStrokeAndColour) {
   EXPECT_EQ(series[1].y, (std::vector<double>{0.5, 0.4}));
 }
 
+/// A degree, a millimetre or a percent of each parameter, which has radians, metres and a share.
+TEST(FitDocument, ParametersAreInTheUnitsOfTheirRows) {
+  FitResults results{};
+  Registration& fit = results.known_pose;
+  for (std::size_t i = 0; i < fit.value.size(); ++i) {
+    const std::string& name = registration_names()[i];
+    const double one = name.ends_with("_rad") ? kPi / 180 : name.ends_with("_m") ? 1e-3 : 0.01;
+    fit.value[i] = one;
+    fit.low[i] = 0.5 * one;
+    fit.high[i] = 1.5 * one;
+  }
+  const std::string page = markdown(fit_document(results, {}));
+  for (const char* row : {"rotation x, deg",
+                          "rotation y, deg",
+                          "rotation z, deg",
+                          "translation x, mm",
+                          "translation y, mm",
+                          "translation z, mm",
+                          "speed of sound, true over assumed less 1, %",
+                          "bias along the ray, mm",
+                          "motor angle offset, deg",
+                          "wobble radius, mm"}) {
+    EXPECT_NE(page.find(std::string(row) + " | 1.000 (0.500 to 1.500) |"), std::string::npos)
+        << row << page;
+  }
+}
+
 }  // namespace
 }  // namespace wobblebench::bench

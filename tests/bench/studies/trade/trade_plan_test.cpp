@@ -124,6 +124,31 @@ TEST_F(TradePlanFile, ASobolSequenceIsEvenInEachAxis) {
   }
 }
 
+/// Degrees, millimetres and decibels: what a scene keeps in radians and metres.
+TEST_F(TradePlanFile, ValuesOfARangeAreInTheUnitOfItsKey) {
+  const TradePlan plan = load("design = \"latin_hypercube\"\npoints = 16\n" + kBall +
+                              "[axes]\n\"render.view.yaw_deg\" = { from = -40, to = 80 }\n"
+                              "\"acquisition.depth_mm\" = { from = 120, to = 200 }\n"
+                              "\"simulation.noise_db\" = { from = -60, to = -20 }\n");
+  ASSERT_EQ(plan.axes.at(2).key, "simulation.noise_db");
+  EXPECT_EQ(plan.axes[1].levels.at(0), "-40 to -10");
+  std::map<std::string, std::vector<double>> values;
+  for (const TradePoint& point : design_points(plan)) {
+    const Scene scene = load_scene({}, settings_of(plan, point));
+    values["120 200"].push_back(scene.acquisition.depth_m / 1e-3);
+    values["-40 80"].push_back(scene.render.view.yaw_rad * 180 / kPi);
+    values["-60 -20"].push_back(scene.simulation.noise_db);
+    EXPECT_NEAR(std::stod(point.values[1]), values["-40 80"].back(), 1e-9);
+  }
+  for (const auto& [ends, drawn] : values) {
+    double from = 0, to = 0;
+    std::istringstream(ends) >> from >> to;
+    const auto [least, most] = std::ranges::minmax(drawn);
+    EXPECT_NEAR(least, from, (to - from) / 16) << ends;
+    EXPECT_NEAR(most, to, (to - from) / 16) << ends;
+  }
+}
+
 TEST_F(TradePlanFile, PointsAreTheSameEachTimeAndOthersForAnotherSeed) {
   for (const std::string design : {"latin_hypercube", "sobol"}) {
     const std::string text = "design = \"" + design + "\"\npoints = 20\n";

@@ -4,9 +4,11 @@
 #include <algorithm>
 #include <csignal>
 #include <fstream>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <regex>
 
+#include "base/number_text.h"
 #include "tests/bench/cli/program_under_test.h"
 
 namespace wobblebench::bench {
@@ -64,6 +66,34 @@ TEST_F(Tune, WritesASceneThatHoldsWhatWasAsked) {
     sum += nlohmann::json::parse(run.out).at("error").at("depth_mm").at("p95").get<double>();
   }
   EXPECT_NEAR(sum / 2, report.at("candidates").back().at("fresh").at("p95_mm").at("mean"), 1e-9);
+}
+
+/// Degrees, millimetres and decibels: the journal has what was measured, the scene what was chosen.
+TEST_F(Tune, SearchesAndWritesInTheUnitsOfTheKeys) {
+  const std::map<std::string, std::pair<double, double>> ranges = {
+      {"acquisition.depth_mm", {140, 180}},
+      {"render.view.yaw_deg", {-10, 20}},
+      {"simulation.noise_db", {-90, -70}}};
+  std::string plan = kPlan.substr(0, kPlan.find("[axes]")) + "[axes]\n";
+  for (const auto& [key, ends] : ranges) {
+    plan += "\"" + key + "\" = { from = " + std::to_string(ends.first) +
+            ", to = " + std::to_string(ends.second) + " }\n";
+  }
+  folder_.write("plan.toml", plan);
+  const auto result = tune({"--limit", "p95_mm<=50", "--evaluations", "3", "--random"});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const auto run = bench({"run", "out/tuned.toml", "--out", "run", "--json"}, folder_);
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const auto scene = nlohmann::json::parse(run.out).at("scene");
+  for (const auto& [key, ends] : ranges) {
+    auto path = "/" + key;
+    std::ranges::replace(path, '.', '/');
+    const double value = scene.at(nlohmann::json::json_pointer(path));
+    EXPECT_GE(value, ends.first) << key;
+    EXPECT_LE(value, ends.second) << key;
+    const std::string chosen = key.substr(key.rfind('.') + 1) + " " + significant(value, 4);
+    EXPECT_NE(result.out.find(chosen), std::string::npos) << chosen << ": " << result.out;
+  }
 }
 
 TEST_F(Tune, SaysThatNothingWasFoundAndWritesNoScene) {
