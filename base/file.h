@@ -65,7 +65,8 @@ void sync_file(const std::filesystem::path& path);
 void sync_folder(const std::filesystem::path& path);
 
 /// Writes `bytes` as the whole content of `path` and waits for fsync(2): a full disk may be
-/// reported only then. Throws std::runtime_error "PATH: cannot be written: reason".
+/// reported only then. Throws std::runtime_error "PATH: cannot be written: reason"; of a file that
+/// cannot be written whole nothing is left.
 void write_file(const std::filesystem::path& path, std::string_view bytes);
 
 /// write_file() to a new file: where there is one of that name, be it a link, it is not written. Of

@@ -42,7 +42,9 @@ std::map<std::string, std::uintmax_t> files_below(const fs::path& folder) {
 /// Whether equal commands write it with other bytes.
 bool has_times(const std::string& file) {
   const std::string name = fs::path(file).filename().string();
-  return name.starts_with("report.") || name == "recording.json" || name == "trace.json";
+  const Words with_times = {
+      "ages.csv", "ages.vl.json", "recording.json", "spans.vl.json", "trace.json"};
+  return name.starts_with("report.") || std::ranges::count(with_times, name) > 0;
 }
 
 class FullDisk : public testing::TestWithParam<FullDiskCase> {

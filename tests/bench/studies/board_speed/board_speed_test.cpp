@@ -1,13 +1,10 @@
-// What the command `board` measures, on a short recording. Times are of the machine; counts are
-// not.
+// What the command `board` measures, on a short recording; the command takes minutes for all of its
+// cancels. Times are of the machine; counts are not.
 #include "bench/studies/board_speed/board_speed.h"
 
 #include <gtest/gtest.h>
 
-#include <nlohmann/json.hpp>
-
 #include "hw/probe/acquisition_plan.h"
-#include "tests/bench/cli/program_under_test.h"
 
 namespace wobblebench::bench {
 namespace {
@@ -49,40 +46,6 @@ TEST(BoardSpeed, CancelsAreInTheOrderOfTheirShares) {
   EXPECT_LE(times.p99_ms, times.p999_ms);
   EXPECT_LE(times.p999_ms, times.max_ms);
   EXPECT_LT(times.max_ms, 5000) << "the thread waits for a stick, not for the end of the stream";
-}
-
-TEST(BoardCommand, WritesWhatItMeasured) {
-  const ScratchFolder folder;
-  const auto result = bench({"board", "--repeats", "1", "--json"}, folder);
-  ASSERT_EQ(result.exit_code, 0) << result.err;
-  EXPECT_EQ(folder.files("out"),
-            (Words{"board.md", "board_throughput.vl.json", "report.html", "report.json"}));
-  const auto report = nlohmann::json::parse(result.out);
-  EXPECT_EQ(report.at("command"), "board");
-  const auto& throughput = report.at("throughput");
-  EXPECT_EQ(throughput.at("repeats"), 1);
-  EXPECT_EQ(throughput.at("sticks"), 40 * hw::AcquisitionPlan({}, {}).sticks_per_volume());
-  ASSERT_EQ(throughput.at("stages").size(), 4U);
-  const double mb_s = throughput.at("stages").back().at("median_mb_s");
-  // The page has the time of a stick and the ratio to the paper's stream.
-  const std::string page = bytes_of(folder.path() / "out/board.md");
-  const std::string row = page.substr(page.find("| file, decoder, ring, program |"));
-  double shown_mb_s = 0, low = 0, high = 0, ns = 0, times = 0;
-  ASSERT_EQ(std::sscanf(row.c_str(),
-                        "| file, decoder, ring, program | %lf (%lf to %lf) | %lf | %lf |",
-                        &shown_mb_s,
-                        &low,
-                        &high,
-                        &ns,
-                        &times),
-            5)
-      << row;
-  EXPECT_NEAR(shown_mb_s, mb_s, 0.5);
-  EXPECT_NEAR(ns, kStickBytes / mb_s * 1e3, 2);
-  EXPECT_NEAR(times, mb_s / kStream_mb_s, 1);
-  ASSERT_EQ(report.at("cancel").size(), 2U);
-  EXPECT_EQ(report.at("cancel").at(0).at("cancels"), 10000);
-  EXPECT_EQ(report.at("cancel").at(0).at("load_threads"), 0);
 }
 
 }  // namespace
