@@ -7,6 +7,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "tests/support/expect.h"
 #include "tests/support/folder_test.h"
 
 namespace wobblebench {
@@ -16,12 +17,7 @@ class ReadFile : public testing_support::FolderTest {
  protected:
   /// what() of the refusal; empty: it was read.
   static std::string refusal(const std::filesystem::path& path) {
-    try {
-      read_file(path);
-      return "";
-    } catch (const std::runtime_error& error) {
-      return error.what();
-    }
+    return refusal_of<std::runtime_error>([&] { read_file(path); });
   }
 };
 

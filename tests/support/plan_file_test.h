@@ -5,6 +5,7 @@
 #include <string>
 
 #include "base/user_error.h"
+#include "tests/support/expect.h"
 #include "tests/support/folder_test.h"
 
 namespace wobblebench::testing_support {
@@ -19,12 +20,7 @@ class PlanFileTest : public FolderTest {
   }
   /// Empty: it is not refused.
   std::string refusal(const std::string& text) {
-    try {
-      load(text);
-    } catch (const UserError& error) {
-      return error.what();
-    }
-    return "";
+    return refusal_of<UserError>([&] { load(text); });
   }
 };
 

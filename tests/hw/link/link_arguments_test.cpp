@@ -4,6 +4,7 @@
 
 #include "hw/link/xdma_link.h"
 #include "hw/recording/file_link.h"
+#include "tests/support/expect.h"
 
 namespace wobblebench::hw {
 namespace {
@@ -48,15 +49,12 @@ TEST(LinkSettings, SetDescribedOptions) {
 }
 
 std::string rejection(const std::string& text) {
-  try {
+  return refusal_of<InvalidOption>([&] {
     LinkSettings settings(parse_link_arguments(text));
     FileLinkOptions options;
     settings.read(options);
     settings.finish("file");
-  } catch (const InvalidOption& error) {
-    return error.what();
-  }
-  return "";
+  });
 }
 
 TEST(LinkSettings, RejectionNamesTheAllowedValues) {

@@ -6,6 +6,7 @@
 
 #include "base/options.h"
 #include "hw/probe/acquisition_plan.h"
+#include "tests/support/expect.h"
 
 namespace wobblebench::hw {
 namespace {
@@ -20,8 +21,8 @@ TEST(ProbePresets, AreValidAndNameSourceAndAssumptions) {
     AcquisitionOptions acquisition;
     acquisition.sector_rad = data.sector_rad;
     EXPECT_NO_THROW(AcquisitionPlan(data.probe, acquisition));
-    EXPECT_NE(data.source.find("docs/references.md ["), std::string::npos);
-    EXPECT_NE(data.source.find("assumed: "), std::string::npos);
+    EXPECT_TRUE(holds(data.source, "docs/references.md ["));
+    EXPECT_TRUE(holds(data.source, "assumed: "));
   }
 }
 

@@ -2,7 +2,6 @@
 // way.
 #include <gtest/gtest.h>
 
-#include <fstream>
 #include <optional>
 
 #include "base/options.h"
@@ -12,6 +11,7 @@
 #include "tests/hw/support/collect.h"
 #include "tests/hw/support/memory_link.h"
 #include "tests/hw/support/streams.h"
+#include "tests/support/expect.h"
 #include "tests/support/folder_test.h"
 
 namespace wobblebench::hw {
@@ -114,12 +114,8 @@ TEST_F(JoinedRecordings, AreListedChosenAndSalvaged) {
 
 TEST_F(JoinedRecordings, RefuseAnAcquisitionThatIsNotThere) {
   const auto path = write(stream_of(small_plan(1)));
-  try {
-    const FileLink link(path, {.acquisition = 2});
-    FAIL() << "accepted";
-  } catch (const InvalidOption& error) {
-    EXPECT_EQ(error.what(), "acquisition = 2: " + path.string() + " holds 1; must be from 1 to 1");
-  }
+  EXPECT_EQ(refusal_of<InvalidOption>([&] { const FileLink link(path, {.acquisition = 2}); }),
+            "acquisition = 2: " + path.string() + " holds 1; must be from 1 to 1");
 }
 
 /// The first configuration comes behind the end of a volume.

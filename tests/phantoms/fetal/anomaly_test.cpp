@@ -7,6 +7,7 @@
 #include "base/units.h"
 #include "phantoms/fetal/fetal_child.h"
 #include "phantoms/options.h"
+#include "tests/support/expect.h"
 
 namespace wobblebench::phantoms {
 namespace {
@@ -127,13 +128,9 @@ TEST(Identity, ImpossibleFacesAreRefusedInOneLine) {
   options.jaw_shorter_m = 10e-3;
   options.eyes_apart_m = -5e-3;
   options.nasal_bone_shorter_m = 3e-3;
-  try {
-    make_child(options);
-  } catch (const InvalidPhantom& error) {
-    const std::string line = error.what();
-    EXPECT_EQ(line.find("identity = 0: no such face: "), 0U) << line;
-    EXPECT_EQ(line.find('\n'), std::string::npos);
-  }
+  const std::string line = refusal_of<InvalidPhantom>([&] { make_child(options); });
+  EXPECT_TRUE(line.starts_with("identity = 0: no such face: ")) << line;
+  EXPECT_FALSE(holds(line, "\n"));
 }
 
 }  // namespace

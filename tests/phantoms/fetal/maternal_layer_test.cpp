@@ -6,11 +6,11 @@
 
 #include <cmath>
 #include <glm/geometric.hpp>
-#include <set>
 
 #include "phantoms/float_grid.h"
 #include "phantoms/grids.h"
 #include "phantoms/truth.h"
+#include "tests/support/expect.h"
 
 namespace wobblebench::phantoms {
 namespace {
@@ -161,12 +161,8 @@ TEST(MaternalLayer, ThickerLayersMoveTheFetusDeeper) {
 TEST(MaternalLayer, RefusesLayersThinnerThanVoxelsResolve) {
   PhantomOptions options;
   options.maternal_layer_m = 3 * kMillimetre;
-  try {
-    validate(options);
-    FAIL();
-  } catch (const InvalidPhantom& error) {
-    EXPECT_STREQ(error.what(), "maternal_layer_mm = 3: must be 0 or at least 6");
-  }
+  EXPECT_EQ(refusal_of<InvalidPhantom>([&] { validate(options); }),
+            "maternal_layer_mm = 3: must be 0 or at least 6");
 }
 
 }  // namespace

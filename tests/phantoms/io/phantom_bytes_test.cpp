@@ -96,7 +96,7 @@ TEST(PhantomBytesOfAMouth, HoldIt) {
             std::tie(b.center_m, b.opening_m, b.reach_m));
 }
 
-INSTANTIATE_TEST_SUITE_P(Each, PhantomBytes, testing::ValuesIn(phantom_names()));
+INSTANTIATE_TEST_SUITE_P(BuiltIn, PhantomBytes, testing::ValuesIn(phantom_names()));
 
 Phantom ball() {
   return make_phantom({.name = "sphere", .voxel_m = 2e-3, .radius_m = 6e-3});

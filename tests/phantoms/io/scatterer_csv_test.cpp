@@ -5,17 +5,13 @@
 
 #include <string>
 
+#include "tests/support/expect.h"
+
 namespace wobblebench::phantoms {
 namespace {
 
 std::string refusal(const std::string& csv, double gain = 1) {
-  try {
-    (void)scatterers_from_csv(csv, gain);
-    return "accepted";
-  } catch (const std::invalid_argument& error) {
-    EXPECT_EQ(std::string(error.what()).find('\n'), std::string::npos) << error.what();
-    return error.what();
-  }
+  return refusal_of<std::invalid_argument>([&] { (void)scatterers_from_csv(csv, gain); });
 }
 
 constexpr char kHeader[] = "x_mm,y_mm,z_mm,amplitude\n";

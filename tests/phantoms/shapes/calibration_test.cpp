@@ -3,7 +3,6 @@
 #include <openvdb/math/Stencils.h>
 
 #include <cmath>
-#include <functional>
 #include <glm/geometric.hpp>
 #include <random>
 
@@ -12,6 +11,7 @@
 #include "phantoms/grids.h"
 #include "phantoms/phantom.h"
 #include "phantoms/truth.h"
+#include "tests/support/expect.h"
 
 namespace wobblebench::phantoms {
 namespace {
@@ -24,12 +24,7 @@ PhantomOptions named(const std::string& name, double voxel_mm = 0.5) {
 }
 
 std::string refusal(const PhantomOptions& options) {
-  try {
-    validate(options);
-  } catch (const InvalidPhantom& error) {
-    return error.what();
-  }
-  return "accepted";
+  return refusal_of<InvalidPhantom>([&] { validate(options); });
 }
 
 TEST(Steps, LieAtTheirHeights) {

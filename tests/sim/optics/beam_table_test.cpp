@@ -163,7 +163,7 @@ TEST_P(BeamShapes, ReachLeavesOutTheSameShareOfPowerAtEveryRange) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(All,
+INSTANTIATE_TEST_SUITE_P(Lobes,
                          BeamShapes,
                          testing::Values(BeamShape::main_lobe, BeamShape::side_lobes));
 

@@ -8,6 +8,7 @@
 #include "sim/losses/losses.h"
 #include "sim/optics/pulse_band.h"
 #include "sim/probe_simulator.h"
+#include "tests/support/expect.h"
 
 namespace wobblebench::sim {
 namespace {
@@ -129,16 +130,8 @@ TEST(Rungs, ReflectionIsLostBehindTheSurface) {
 TEST(Rungs, RefusesOptionsOutOfRange) {
   SimulationOptions options;
   options.dynamic_range_db = 5;
-  EXPECT_THROW(
-      {
-        try {
-          scan_sphere(options);
-        } catch (const InvalidOption& error) {
-          EXPECT_STREQ(error.what(), "dynamic_range_db = 5: must be within 10 and 200");
-          throw;
-        }
-      },
-      InvalidOption);
+  EXPECT_EQ(refusal_of<InvalidOption>([&] { scan_sphere(options); }),
+            "dynamic_range_db = 5: must be within 10 and 200");
 }
 
 TEST(Rungs, DefaultsAreValid) {

@@ -8,13 +8,13 @@
 #include <optional>
 #include <random>
 #include <stdexcept>
-#include <string>
 #include <utility>
 #include <vector>
 
 #include "phantoms/grids.h"
 #include "phantoms/phantom.h"
 #include "sim/tissue/stick_track.h"
+#include "tests/support/expect.h"
 
 namespace wobblebench::sim {
 namespace {
@@ -197,12 +197,9 @@ TEST(TissueMap, RefusesMoreSurfacesThanItCanNumber) {
                              std::move(grids));
   };
   EXPECT_NO_THROW(TissueMap(many(3), 1e-3, 0));
-  try {
-    const TissueMap map(many(TissueMap::kMaxSurfaces + 1), 1e-3, 0);
-    FAIL() << "took 256 surfaces";
-  } catch (const std::runtime_error& error) {
-    EXPECT_NE(std::string(error.what()).find("at most 255"), std::string::npos) << error.what();
-  }
+  EXPECT_TRUE(holds(refusal_of<std::runtime_error>(
+                        [&] { const TissueMap map(many(TissueMap::kMaxSurfaces + 1), 1e-3, 0); }),
+                    "at most 255"));
 }
 
 }  // namespace
