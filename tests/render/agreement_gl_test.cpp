@@ -15,6 +15,7 @@
 #include "render/renderer.h"
 #include "tests/render/support/agreement.h"
 #include "tests/render/support/gl_fixture.h"
+#include "tests/render/support/settings.h"
 #include "tests/render/support/synthetic.h"
 
 namespace wobblebench::render {
@@ -22,7 +23,7 @@ namespace {
 
 struct Setting {
   const char* name;
-  void (*change)(RenderOptions&);
+  const char* settings;
   double z_rms_steps = 0.02;
   double changed_share = 0.001;
   double blended_share = 0.002;
@@ -32,12 +33,12 @@ void PrintTo(const Setting& setting, std::ostream* out) {
   *out << setting.name;
 }
 
-class EachSetting : public ::testing::TestWithParam<Setting> {};
+class Agreement : public ::testing::TestWithParam<Setting> {};
 
-TEST_P(EachSetting, RendersLikeTheReferenceInBothModes) {
+TEST_P(Agreement, WithTheReferenceInBothModes) {
   RenderOptions options = testing::small_options();
   const Setting& setting = GetParam();
-  setting.change(options);
+  testing::set(options, setting.settings);
   const hw::PolarVolume& volume = testing::noisy_scene();
   const Picture expected = render_reference(volume, options);
   const bool detects_surface = options.ray_casting.mode != RenderMode::volume;
@@ -50,216 +51,96 @@ TEST_P(EachSetting, RendersLikeTheReferenceInBothModes) {
 }
 
 const Setting kSettings[] = {
-    {"defaults", [](RenderOptions&) {}},
-    {"kernel_none", [](RenderOptions& o) { o.ray_casting.kernel_3d = 1; }},
-    {"kernel_5", [](RenderOptions& o) { o.ray_casting.kernel_3d = 5; }},
-    {"ray_kernel_3", [](RenderOptions& o) { o.ray_casting.kernel_space = KernelSpace::ray; }},
-    {"ray_kernel_5",
-     [](RenderOptions& o) {
-       o.ray_casting.kernel_space = KernelSpace::ray;
-       o.ray_casting.kernel_3d = 5;
-     }},
-    {"buffer_2",
-     [](RenderOptions& o) {
-       o.ray_casting.buffer_length = 2;
-       o.ray_casting.threshold = 0.12;
-     }},
-    {"buffer_16",
-     [](RenderOptions& o) {
-       o.ray_casting.buffer_length = 16;
-       o.ray_casting.threshold = 2;
-     }},
-    {"buffer_64",
-     [](RenderOptions& o) {
-       o.ray_casting.buffer_length = 64;
-       o.ray_casting.threshold = 4;
-     }},
+    {"defaults", ""},
+    {"kernel_none", "ray_casting.kernel_3d=1"},
+    {"kernel_5", "ray_casting.kernel_3d=5"},
+    {"ray_kernel_3", "ray_casting.kernel_space=ray"},
+    {"ray_kernel_5", "ray_casting.kernel_space=ray ray_casting.kernel_3d=5"},
+    {"buffer_2", "ray_casting.buffer_length=2 ray_casting.threshold=0.12"},
+    {"buffer_16", "ray_casting.buffer_length=16 ray_casting.threshold=2"},
+    {"buffer_64", "ray_casting.buffer_length=64 ray_casting.threshold=4"},
     // In noise Difference crosses 0 slowly, so rounding decides where.
-    {"threshold_zero", [](RenderOptions& o) { o.ray_casting.threshold = 0; }, 0.5},
-    {"threshold_negative", [](RenderOptions& o) { o.ray_casting.threshold = -1; }},
-    {"edge_falling",
-     [](RenderOptions& o) {
-       o.ray_casting.edge = EdgeSign::falling;
-       o.ray_casting.mode = RenderMode::surface;
-     }},
-    {"window_3", [](RenderOptions& o) { o.ray_casting.window_2d = 3; }},
-    {"window_5_without_kernel",
-     [](RenderOptions& o) {
-       o.ray_casting.window_2d = 5;
-       o.ray_casting.kernel_3d = 1;
-     }},
+    {"threshold_zero", "ray_casting.threshold=0", 0.5},
+    {"threshold_negative", "ray_casting.threshold=-1"},
+    {"edge_falling", "ray_casting.edge=falling ray_casting.mode=surface"},
+    {"window_3", "ray_casting.window_2d=3"},
+    {"window_5_without_kernel", "ray_casting.window_2d=5 ray_casting.kernel_3d=1"},
     // One pixel of 1600 that is detected a step apart is 0.025 steps RMS.
-    {"unrefined_crossing", [](RenderOptions& o) { o.ray_casting.refine_crossing = false; }, 0.05},
-    {"goes_on_beyond_the_box", [](RenderOptions& o) { o.ray_casting.stop_at_box = false; }},
-    {"goes_on_beyond_the_cone",
-     [](RenderOptions& o) {
-       o.ray_casting.stop_on_leaving_cone = false;
-       o.view.yaw_rad = 70 * kDegree;
-     }},
-    {"early_opaque", [](RenderOptions& o) { o.ray_casting.opacity_limit = 0.3; }},
-    {"never_opaque", [](RenderOptions& o) { o.ray_casting.opacity_limit = 2; }},
+    {"unrefined_crossing", "ray_casting.refine_crossing=false", 0.05},
+    {"goes_on_beyond_the_box", "ray_casting.stop_at_box=false"},
+    {"goes_on_beyond_the_cone", "ray_casting.stop_on_leaving_cone=false view.yaw_deg=70"},
+    {"early_opaque", "ray_casting.opacity_limit=0.3"},
+    {"never_opaque", "ray_casting.opacity_limit=2"},
     {"transfer_function",
-     [](RenderOptions& o) {
-       o.ray_casting.transfer_values = {0.1, 0.4, 0.9};
-       o.ray_casting.transfer_opacity_per_mm = {0, 0.9, 0.1};
-       o.ray_casting.transfer_grey = {1, 0.2, 0.7};
-     }},
-    {"mode_surface", [](RenderOptions& o) { o.ray_casting.mode = RenderMode::surface; }},
-    {"mode_volume", [](RenderOptions& o) { o.ray_casting.mode = RenderMode::volume; }},
-    {"few_steps",
-     [](RenderOptions& o) {
-       o.ray_casting.steps = 16;
-       o.ray_casting.buffer_length = 2;
-       o.ray_casting.threshold = 0.2;
-     }},
-    {"format_r32f", [](RenderOptions& o) { o.scan_conversion.format = TextureFormat::r32f; }},
+     "ray_casting.transfer_values=0.1,0.4,0.9 ray_casting.transfer_opacity_per_mm=0,0.9,0.1 "
+     "ray_casting.transfer_grey=1,0.2,0.7"},
+    {"mode_surface", "ray_casting.mode=surface"},
+    {"mode_volume", "ray_casting.mode=volume"},
+    {"few_steps", "ray_casting.steps=16 ray_casting.buffer_length=2 ray_casting.threshold=0.2"},
+    {"format_r32f", "scan_conversion.format=r32f"},
     // 8-bit samples and 8-bit filter weights change Difference and z: the bounds show by how much,
     // and why r8 is not the default.
-    {"format_r8",
-     [](RenderOptions& o) { o.scan_conversion.format = TextureFormat::r8; },
-     1.5,
-     0.01,
-     0.02},
-    {"slice_filter_none", [](RenderOptions& o) { o.scan_conversion.filter_size = 1; }},
-    {"slice_filter_7", [](RenderOptions& o) { o.scan_conversion.filter_size = 7; }},
-    {"odd_slice_size", [](RenderOptions& o) { o.scan_conversion.slice_size = 101; }},
-    {"perspective", [](RenderOptions& o) { o.view.projection = Projection::perspective; }},
+    {"format_r8", "scan_conversion.format=r8", 1.5, 0.01, 0.02},
+    {"slice_filter_none", "scan_conversion.filter_size=1"},
+    {"slice_filter_7", "scan_conversion.filter_size=7"},
+    {"odd_slice_size", "scan_conversion.slice_size=101"},
+    {"perspective", "view.projection=perspective"},
     // At ray lengths of 10 m float resolves 1e-6 m, a thousandth of a step here.
-    {"perspective_from_afar",
-     [](RenderOptions& o) {
-       o.view.projection = Projection::perspective;
-       o.view.eye_distance_m = 10;
-     }},
-    {"perspective_eye_inside",
-     [](RenderOptions& o) {
-       o.view.projection = Projection::perspective;
-       o.view.eye_distance_m = 0.03;
-     }},
-    {"view_from_the_right", [](RenderOptions& o) { o.view.yaw_rad = 40 * kDegree; }},
-    {"view_from_above", [](RenderOptions& o) { o.view.pitch_rad = 35 * kDegree; }},
-    {"view_from_below_left",
-     [](RenderOptions& o) {
-       o.view = {-0.5, -0.4, 0.3};
-     }},
-    {"view_along_x", [](RenderOptions& o) { o.view.yaw_rad = 90 * kDegree; }},
-    {"view_from_behind",
-     [](RenderOptions& o) {
-       o.view.yaw_rad = 170 * kDegree;
-       o.view.projection = Projection::perspective;
-     }},
-    {"light_directional", [](RenderOptions& o) { o.shading.light = Light::directional; }},
-    {"light_left", [](RenderOptions& o) { o.shading.light_left_rad = 45 * kDegree; }},
-    {"no_shadows", [](RenderOptions& o) { o.shading.shadows = false; }},
-    {"depth_filter_none", [](RenderOptions& o) { o.shading.depth_filter_size = 1; }},
-    {"smoothing_low", [](RenderOptions& o) { o.smoothing.filter_size = 5; }},
-    {"smoothing_bilateral",
-     [](RenderOptions& o) { o.smoothing.filter = SmoothingFilter::bilateral; }},
-    {"smoothing_guided", [](RenderOptions& o) { o.smoothing.filter = SmoothingFilter::guided; }},
+    {"perspective_from_afar", "view.projection=perspective view.eye_distance_mm=10000"},
+    {"perspective_eye_inside", "view.projection=perspective view.eye_distance_mm=30"},
+    {"view_from_the_right", "view.yaw_deg=40"},
+    {"view_from_above", "view.pitch_deg=35"},
+    {"view_from_below_left", "view.yaw_deg=-28.6479 view.pitch_deg=-22.9183 view.roll_deg=17.1887"},
+    {"view_along_x", "view.yaw_deg=90"},
+    {"view_from_behind", "view.yaw_deg=170 view.projection=perspective"},
+    {"light_directional", "shading.light=directional"},
+    {"light_left", "shading.light_left_deg=45"},
+    {"no_shadows", "shading.shadows=false"},
+    {"depth_filter_none", "shading.depth_filter_size=1"},
+    {"smoothing_low", "smoothing.filter_size=5"},
+    {"smoothing_bilateral", "smoothing.filter=bilateral"},
+    {"smoothing_guided", "smoothing.filter=guided"},
     {"box_partly_outside_the_cone",
-     [](RenderOptions& o) {
-       o.volume_of_interest.center_m = {0.05, 0.03, 0.13};
-       o.volume_of_interest.size_m = {0.2, 0.2, 0.16};
-     }},
+     "volume_of_interest.center_mm=50,30,130 volume_of_interest.size_mm=200,200,160"},
 };
 
 /// Beside the golden sheet. `paper`: every step as the paper writes it
 /// (docs/decisions/0006-defaults-of-the-probe.md).
 const Setting kBaseSettings[] = {
-    {"base_rendered", [](RenderOptions& o) { o.shading.base = ShadingBase::rendered; }},
+    {"base_rendered", "shading.base=rendered"},
     {"paper",
-     [](RenderOptions& o) {
-       o.ray_casting.kernel_space = KernelSpace::ray;
-       o.ray_casting.refine_crossing = false;
-       o.shading.base = ShadingBase::rendered;
-       o.shading.base_rgb = {1, 1, 1};
-     },
+     "ray_casting.kernel_space=ray ray_casting.refine_crossing=false shading.base=rendered "
+     "shading.base_rgb=1,1,1",
      0.05},
-    {"buffer_of_millimetres",
-     [](RenderOptions& o) {
-       o.ray_casting.buffer_length_m = 20 * step_m(o);
-       o.ray_casting.threshold = 2;
-     }},
+    {"buffer_of_millimetres", "ray_casting.buffer_length_mm=25 ray_casting.threshold=2"},
     {"buffer_30",  // no multiple of a block
-     [](RenderOptions& o) {
-       o.ray_casting.buffer_length = 30;
-       o.ray_casting.threshold = 3;
-     }},
+     "ray_casting.buffer_length=30 ray_casting.threshold=3"},
     {"buffer_64_beyond_the_cone",
-     [](RenderOptions& o) {
-       o.ray_casting.buffer_length = 64;
-       o.ray_casting.threshold = 4;
-       o.ray_casting.stop_on_leaving_cone = false;
-       o.view.yaw_rad = 70 * kDegree;
-     }},
+     "ray_casting.buffer_length=64 ray_casting.threshold=4 ray_casting.stop_on_leaving_cone=false "
+     "view.yaw_deg=70"},
     {"buffer_64_of_a_ray_kernel",
-     [](RenderOptions& o) {
-       o.ray_casting.buffer_length = 64;
-       o.ray_casting.threshold = 4;
-       o.ray_casting.kernel_space = KernelSpace::ray;
-     }},
-    {"detector_iso", [](RenderOptions& o) { o.ray_casting.detector = Detector::iso; }},
+     "ray_casting.buffer_length=64 ray_casting.threshold=4 ray_casting.kernel_space=ray"},
+    {"detector_iso", "ray_casting.detector=iso"},
     {"detector_iso_falling",
-     [](RenderOptions& o) {
-       o.ray_casting.detector = Detector::iso;
-       o.ray_casting.edge = EdgeSign::falling;
-       o.ray_casting.mode = RenderMode::surface;
-     }},
-    {"detector_iso_in_rays",
-     [](RenderOptions& o) {
-       o.ray_casting.detector = Detector::iso;
-       o.ray_casting.kernel_space = KernelSpace::ray;
-     }},
-    {"detector_floor", [](RenderOptions& o) { o.ray_casting.detector = Detector::floor; }},
+     "ray_casting.detector=iso ray_casting.edge=falling ray_casting.mode=surface"},
+    {"detector_iso_in_rays", "ray_casting.detector=iso ray_casting.kernel_space=ray"},
+    {"detector_floor", "ray_casting.detector=floor"},
     {"detector_floor_of_surfaces_alone",  // leaps farther: nothing is blended
-     [](RenderOptions& o) {
-       o.ray_casting.detector = Detector::floor;
-       o.ray_casting.mode = RenderMode::surface;
-     }},
+     "ray_casting.detector=floor ray_casting.mode=surface"},
     {"detector_floor_falling",
-     [](RenderOptions& o) {
-       o.ray_casting.detector = Detector::floor;
-       o.ray_casting.edge = EdgeSign::falling;
-       o.ray_casting.mode = RenderMode::surface;
-     }},
+     "ray_casting.detector=floor ray_casting.edge=falling ray_casting.mode=surface"},
     {"detector_floor_beyond_the_cone",
-     [](RenderOptions& o) {
-       o.ray_casting.detector = Detector::floor;
-       o.ray_casting.stop_on_leaving_cone = false;
-       o.view.yaw_rad = 70 * kDegree;
-     }},
-    {"detector_floor_of_a_ray_kernel",
-     [](RenderOptions& o) {
-       o.ray_casting.detector = Detector::floor;
-       o.ray_casting.kernel_space = KernelSpace::ray;
-     }},
-    {"sticks_aligned", [](RenderOptions& o) { o.reconstruction.sticks = Sticks::aligned; }},
-    {"sticks_aligned_iso",
-     [](RenderOptions& o) {
-       o.reconstruction.sticks = Sticks::aligned;
-       o.ray_casting.detector = Detector::iso;
-     }},
-    {"incidence_corrected",
-     [](RenderOptions& o) {
-       o.ray_casting.incidence_correction_m = 1e-3;
-       o.view.yaw_rad = 0.4;
-     }},
+     "ray_casting.detector=floor ray_casting.stop_on_leaving_cone=false view.yaw_deg=70"},
+    {"detector_floor_of_a_ray_kernel", "ray_casting.detector=floor ray_casting.kernel_space=ray"},
+    {"sticks_aligned", "reconstruction.sticks=aligned"},
+    {"sticks_aligned_iso", "reconstruction.sticks=aligned ray_casting.detector=iso"},
+    {"incidence_corrected", "ray_casting.incidence_correction_mm=1 view.yaw_deg=23"},
     {"incidence_corrected_in_perspective",
-     [](RenderOptions& o) {
-       o.ray_casting.incidence_correction_m = 1e-3;
-       o.view.projection = Projection::perspective;
-     }},
-    {"small_pieces_left_out", [](RenderOptions& o) { o.ray_casting.smallest_piece_m2 = 50e-6; }},
-    {"incidence_corrected_by_the_beam",
-     [](RenderOptions& o) {
-       o.ray_casting.incidence_correction_m.reset();
-       o.view.yaw_rad = 0.4;
-     }},
+     "ray_casting.incidence_correction_mm=1 view.projection=perspective"},
+    {"small_pieces_left_out", "ray_casting.smallest_piece_mm2=50"},
+    {"incidence_corrected_by_the_beam", "ray_casting.incidence_correction_mm=auto view.yaw_deg=23"},
     {"caps_on_a_box_that_begins_in_tissue",
-     [](RenderOptions& o) {
-       o.ray_casting.detector = Detector::iso;
-       o.ray_casting.caps = true;
-       o.volume_of_interest.center_m.z += 0.02;
-     }},
+     "ray_casting.detector=iso ray_casting.caps=true volume_of_interest.center_mm=0,0,140"},
 };
 
 /// All settings' shaded pictures side by side, as 8-bit grey.
@@ -269,7 +150,7 @@ Image<std::uint8_t> golden_sheet() {
   Image<std::uint8_t> sheet(kColumns * kTile, (count + kColumns - 1) / kColumns * kTile);
   for (int k = 0; k < count; ++k) {
     RenderOptions options = testing::small_options();
-    kSettings[k].change(options);
+    testing::set(options, kSettings[k].settings);
     const Picture picture = render_volume(testing::gl_context(), testing::noisy_scene(), options);
     const bool blended = options.ray_casting.mode == RenderMode::volume;
     for (int row = 0; row < kTile; ++row) {
@@ -326,8 +207,11 @@ TEST(GoldenSettings, MatchTheGoldenSheet) {
 }
 
 const auto kNameOfSetting = [](const auto& of) { return std::string(of.param.name); };
-INSTANTIATE_TEST_SUITE_P(Bases, EachSetting, ::testing::ValuesIn(kBaseSettings), kNameOfSetting);
-INSTANTIATE_TEST_SUITE_P(Settings, EachSetting, ::testing::ValuesIn(kSettings), kNameOfSetting);
+INSTANTIATE_TEST_SUITE_P(OtherSettings,
+                         Agreement,
+                         ::testing::ValuesIn(kBaseSettings),
+                         kNameOfSetting);
+INSTANTIATE_TEST_SUITE_P(GoldenSettings, Agreement, ::testing::ValuesIn(kSettings), kNameOfSetting);
 
 }  // namespace
 }  // namespace wobblebench::render

@@ -1,11 +1,9 @@
-// Whole pictures: mode fast against mode plain for several scenes, views and random settings.
+// Whole pictures: mode fast against mode plain for scenes, views and settings drawn at random.
 #include <gtest/gtest.h>
 
-#include <ostream>
 #include <random>
 #include <stdexcept>
-#include <string>
-#include <tuple>
+#include <vector>
 
 #include "base/units.h"
 #include "render/camera.h"
@@ -16,57 +14,16 @@
 namespace wobblebench::render {
 namespace {
 
-hw::PolarVolume scene_named(const std::string& name) {
+std::vector<hw::PolarVolume> scenes() {
   const hw::AcquisitionPlan plan = testing::small_plan();
-  if (name == "sphere") {
-    return testing::sample_field(plan, testing::sphere({0, 0, 0.12}, 0.03, 4e-3));
-  }
-  if (name == "plane") {
-    return testing::sample_field(plan, testing::plane({0, 0, 0.12}, {0.2, 0.1, -1}, 4e-3));
-  }
-  if (name == "noise") {
-    return testing::sample_field(plan,
-                                 testing::noisy([](const glm::dvec3&) { return 0.4; }, 0.3, 5));
-  }
-  return testing::noisy_scene();
+  const auto scene = [&](const testing::Field& field) {
+    return testing::sample_field(plan, field);
+  };
+  return {testing::noisy_scene(),
+          scene(testing::sphere({0, 0, 0.12}, 0.03, 4e-3)),
+          scene(testing::plane({0, 0, 0.12}, {0.2, 0.1, -1}, 4e-3)),
+          scene(testing::noisy([](const glm::dvec3&) { return 0.4; }, 0.3, 5))};
 }
-
-struct View {
-  const char* name;
-  double yaw_deg, pitch_deg;
-};
-void PrintTo(const View& view, std::ostream* out) {
-  *out << view.name;
-}
-const View kViews[] = {
-    {"front", 0, 0}, {"right", 40, 0}, {"left_below", -50, -35}, {"above", 0, 60}, {"side", 90, 0}};
-
-class FastAgainstPlain
-    : public ::testing::TestWithParam<std::tuple<const char*, View, KernelSpace>> {};
-
-TEST_P(FastAgainstPlain, RendersTheSamePicture) {
-  const auto& [scene, view, space] = GetParam();
-  const hw::PolarVolume volume = scene_named(scene);
-  RenderOptions options = testing::small_options();
-  options.view.yaw_rad = view.yaw_deg * kDegree;
-  options.view.pitch_rad = view.pitch_deg * kDegree;
-  options.ray_casting.kernel_space = space;
-  const Picture plain = testing::rendered(volume, options, PipelineMode::plain);
-  EXPECT_GT(testing::hits(plain.depth_m), 0);
-  testing::expect_same(testing::rendered(volume, options, PipelineMode::fast), plain, {}, options);
-}
-
-INSTANTIATE_TEST_SUITE_P(
-    Each,
-    FastAgainstPlain,
-    ::testing::Combine(::testing::Values("sphere", "plane", "noise", "noisy_scene"),
-                       ::testing::ValuesIn(kViews),
-                       ::testing::Values(KernelSpace::slice, KernelSpace::ray)),
-    [](const auto& param_info) {
-      const bool slice = std::get<2>(param_info.param) == KernelSpace::slice;
-      return std::string(std::get<0>(param_info.param)) + "_" + std::get<1>(param_info.param).name +
-             (slice ? "_slice" : "_ray");
-    });
 
 /// Settings and views drawn at random.
 RenderOptions random_options(std::mt19937& random) {
@@ -142,14 +99,15 @@ TEST(ManyTaps, AreRefusedWhereTheDriverWouldEndRays) {
 
 TEST(FastAgainstPlainAtRandom, RendersTheSamePicture) {
   std::mt19937 random(11);
-  const hw::PolarVolume& volume = testing::noisy_scene();
+  const std::vector<hw::PolarVolume> volumes = scenes();
   // Up to two pixels of 576 may differ by float rounding, on rays that graze a border; their
   // neighbours are shaded by them.
   testing::Bounds two{.changed_share = 2.5 / 576, .blended_share = 2.5 / 576};
   int compared = 0, same = 0;
-  for (int trial = 0; trial < 60; ++trial) {
+  for (int trial = 0; trial < 40; ++trial) {
     SCOPED_TRACE(trial);
     const RenderOptions options = random_options(random);
+    const hw::PolarVolume& volume = volumes[random() % volumes.size()];
     const Picture fast = testing::rendered(volume, options, PipelineMode::fast);
     const Picture plain = testing::rendered(volume, options, PipelineMode::plain);
     const auto depth = testing::compare(fast.depth_m, plain.depth_m);
@@ -158,8 +116,8 @@ TEST(FastAgainstPlainAtRandom, RendersTheSamePicture) {
     same += is_same;
     compared += testing::expect_same(fast, plain, two, options);
   }
-  EXPECT_GT(compared, 1200);
-  EXPECT_GT(same, 40);
+  EXPECT_GT(compared, 800);
+  EXPECT_GT(same, 26);
 }
 
 }  // namespace

@@ -11,8 +11,10 @@
 #include "render/camera.h"
 #include "render/geometry/slice_geometry.h"
 #include "render/reference/reference.h"
+#include "tests/render/support/agreement.h"
 #include "tests/render/support/gl_fixture.h"
 #include "tests/render/support/synthetic.h"
+#include "tests/support/expect.h"
 
 namespace wobblebench::render {
 namespace {
@@ -25,9 +27,7 @@ TEST(Renderer, RepeatsBitForBit) {
   const RenderOptions options = testing::small_options();
   const Picture one = render_volume(gl_context(), testing::noisy_scene(), options);
   const Picture two = render_volume(gl_context(), testing::noisy_scene(), options);
-  EXPECT_TRUE(same_bits(one.depth_m, two.depth_m));
-  EXPECT_EQ(one.surface.pixels, two.surface.pixels);
-  EXPECT_EQ(one.volume.pixels, two.volume.pixels);
+  testing::expect_same_bits(one, two);
 }
 
 TEST(Renderer, CompilingChangesNoPicture) {
@@ -47,10 +47,7 @@ TEST(Renderer, CompilingChangesNoPicture) {
       EXPECT_TRUE(same_bits(warm.render().depth_m, cold.render().depth_m));
       cold.add_volume(scene);
       warm.add_volume(scene);
-      const Picture expected = cold.render(), picture = warm.render();
-      EXPECT_TRUE(same_bits(picture.depth_m, expected.depth_m));
-      EXPECT_EQ(picture.surface.pixels, expected.surface.pixels);
-      EXPECT_EQ(picture.volume.pixels, expected.volume.pixels);
+      testing::expect_same_bits(warm.render(), cold.render());
     }
   }
 }
@@ -398,14 +395,12 @@ TEST(Renderer, RefusesTexturesBeyondTheDriversLimits) {
   for (const auto& [mode, need] :
        {std::pair(PipelineMode::plain, "8192 MiB"), std::pair(PipelineMode::fast, "16368 MiB")}) {
     options.pipeline.mode = mode;
-    try {
+    const std::string refusal = refusal_of<std::runtime_error>([&] {
       Renderer renderer(gl_context(), {hw::ProbeOptions{}, acquisition}, options);
-      FAIL() << "accepted";
-    } catch (const std::runtime_error& error) {
-      const std::string expected =
-          std::string("scan_conversion.slice_size = 2048, 1024 frames: needs ") + need;
-      EXPECT_EQ(std::string(error.what()).rfind(expected, 0), 0u) << error.what();
-    }
+    });
+    const std::string expected =
+        std::string("scan_conversion.slice_size = 2048, 1024 frames: needs ") + need;
+    EXPECT_TRUE(refusal.starts_with(expected)) << refusal;
   }
 }
 
@@ -456,7 +451,7 @@ const Extreme kExtremes[] = {
      }},
 };
 
-INSTANTIATE_TEST_SUITE_P(Each,
+INSTANTIATE_TEST_SUITE_P(Scans,
                          Extremes,
                          ::testing::ValuesIn(kExtremes),
                          [](const auto& param_info) { return param_info.param.name; });

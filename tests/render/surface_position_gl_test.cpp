@@ -133,7 +133,7 @@ TEST_P(SurfacePosition, DoesNotDependOnTheKernel) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Each,
+INSTANTIATE_TEST_SUITE_P(Surfaces,
                          SurfacePosition,
                          ::testing::Values(plane("plane", {0, 0, -1}),
                                            plane("tilted_plane", {0.25, -0.2, -1}),

@@ -148,7 +148,7 @@ TEST_P(MotionTableAccuracy, IsWithinTolerance) {
 
 // A wide fan about an axis near the face has the largest curvature: the entries near the axis
 // determine the tolerance.
-INSTANTIATE_TEST_SUITE_P(Each,
+INSTANTIATE_TEST_SUITE_P(Fans,
                          MotionTableAccuracy,
                          ::testing::Values(TableCase{"paper", 77, 61, 27e-3, 1e-6, 1e-3},
                                            TableCase{"narrow", 0.1, 0.1, 27e-3, 1e-6, 1e-3},

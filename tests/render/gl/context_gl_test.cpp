@@ -14,7 +14,9 @@
 
 #include "render/gl/objects.h"
 #include "render/renderer.h"
+#include "tests/render/support/agreement.h"
 #include "tests/render/support/synthetic.h"
+#include "tests/support/expect.h"
 
 /// Part of the file names of libraries that this process does not find.
 static const char* hidden_libraries = nullptr;  // NOLINT: read by dlopen, before any object
@@ -37,19 +39,7 @@ bool is_built(const std::string& backend) {
 
 /// Error message of make_context for a backend; empty if it succeeds.
 std::string refusal(const std::string& backend) {
-  try {
-    static_cast<void>(make_context(backend));
-  } catch (const std::runtime_error& error) {
-    return error.what();
-  }
-  return {};
-}
-
-void expect_same(const Picture& a, const Picture& b) {
-  EXPECT_TRUE(testing::same_bits(a.surface, b.surface));
-  EXPECT_TRUE(testing::same_bits(a.volume, b.volume));
-  EXPECT_TRUE(testing::same_bits(a.depth_m, b.depth_m));
-  EXPECT_TRUE(testing::same_bits(a.filtered_depth_m, b.filtered_depth_m));
+  return refusal_of<std::runtime_error>([&] { static_cast<void>(make_context(backend)); });
 }
 
 bool is_llvmpipe(const GlContext& context) {
@@ -65,8 +55,7 @@ TEST(GlContext, NamesItsBackendAndRenderer) {
     if (!refusal(backend).empty()) continue;
     const auto context = make_context(backend);
     EXPECT_EQ(context->backend(), backend);
-    EXPECT_NE(context->renderer_string().find("OpenGL 4."), std::string::npos)
-        << context->renderer_string();
+    EXPECT_TRUE(holds(context->renderer_string(), "OpenGL 4."));
   }
 }
 
@@ -81,7 +70,7 @@ TEST(GlContext, ErrorIsOneLineThatNamesTheBackend) {
     const std::string reason = refusal(backend);
     if (reason.empty()) continue;
     EXPECT_EQ(reason.find(backend + ": "), 0u) << reason;
-    EXPECT_EQ(reason.find('\n'), std::string::npos) << reason;
+    EXPECT_FALSE(holds(reason, "\n"));
   }
 }
 
@@ -164,7 +153,7 @@ TEST(GlContextDeathTest, WithoutAnyLibraryAutoSaysWhatItTried) {
   EXPECT_EXIT(take_without("lib"), ::testing::ExitedWithCode(0), "^no OpenGL: " + reasons + "$");
 }
 
-class EachBackend : public ::testing::TestWithParam<std::string> {
+class ContextOf : public ::testing::TestWithParam<std::string> {
  protected:
   void SetUp() override {
     const std::string missing = refusal(GetParam());
@@ -172,7 +161,7 @@ class EachBackend : public ::testing::TestWithParam<std::string> {
   }
 };
 
-TEST_P(EachBackend, MayBeDestroyedOnAnotherThread) {
+TEST_P(ContextOf, MayBeDestroyedOnAnotherThread) {
   auto context = make_context(GetParam());
   const Picture expected = picture_of(*context);
   std::thread([&] { context.reset(); }).join();
@@ -180,10 +169,10 @@ TEST_P(EachBackend, MayBeDestroyedOnAnotherThread) {
     if (!refusal(next).empty()) continue;
     EXPECT_EQ(make_context(next)->backend(), next);
   }
-  expect_same(picture_of(*make_context(GetParam())), expected);
+  testing::expect_same_bits(picture_of(*make_context(GetParam())), expected);
 }
 
-TEST_P(EachBackend, OutlivesTheRendererOnAnotherThread) {
+TEST_P(ContextOf, OutlivesTheRendererOnAnotherThread) {
   auto context = make_context(GetParam());
   auto renderer =
       std::make_unique<Renderer>(*context, testing::noisy_scene().plan(), testing::small_options());
@@ -191,27 +180,23 @@ TEST_P(EachBackend, OutlivesTheRendererOnAnotherThread) {
   EXPECT_GT(testing::hits(picture_of(*context).depth_m), 1000);
 }
 
-TEST_P(EachBackend, IsHandedToAnotherThreadAndBack) {
+TEST_P(ContextOf, IsHandedToAnotherThreadAndBack) {
   const auto context = make_context(GetParam());
   const Picture expected = picture_of(*context);
   Picture theirs;
   std::string refused;
   std::thread([&] {
-    try {
-      context->make_current();
-    } catch (const std::logic_error& error) {
-      refused = error.what();
-    }
+    refused = refusal_of<std::logic_error>([&] { context->make_current(); });
   }).join();
   EXPECT_EQ(refused, GetParam() + ": the context is current on another thread");
   context->release();
   std::thread([&] { theirs = picture_of(*context); }).join();  // whose end releases it
-  expect_same(theirs, expected);
-  expect_same(picture_of(*context), expected);
+  testing::expect_same_bits(theirs, expected);
+  testing::expect_same_bits(picture_of(*context), expected);
 }
 
-INSTANTIATE_TEST_SUITE_P(GlContext,
-                         EachBackend,
+INSTANTIATE_TEST_SUITE_P(Backends,
+                         ContextOf,
                          ::testing::ValuesIn(context_backends()),
                          [](const auto& test) {
                            return test.param == "egl-device" ? "egl_device" : test.param;
@@ -284,7 +269,7 @@ TEST_P(OtherBackend, RendersTheSamePictureBitForBit) {
                  << renderer;
   }
   EXPECT_GT(testing::hits(ours.depth_m), 1000);
-  expect_same(ours, theirs);
+  testing::expect_same_bits(ours, theirs);
 }
 
 TEST_P(OtherBackend, AlternatesWithOsmesa) {
@@ -297,15 +282,15 @@ TEST_P(OtherBackend, AlternatesWithOsmesa) {
     there.add_frame(frame, volume.frame(frame));
   }
   const Picture ours = here.render();
-  expect_same(there.render(), expected);
-  expect_same(ours, picture_of(*osmesa_));
+  testing::expect_same_bits(there.render(), expected);
+  testing::expect_same_bits(ours, picture_of(*osmesa_));
 }
 
 TEST_P(OtherBackend, WorksAfterTheCurrentContextIsDestroyed) {
   const Picture expected = picture_of(*other_);
   osmesa_->make_current();
   osmesa_.reset();
-  expect_same(picture_of(*other_), expected);
+  testing::expect_same_bits(picture_of(*other_), expected);
 }
 
 INSTANTIATE_TEST_SUITE_P(GlContext,

@@ -4,11 +4,10 @@
 #include <glad/gl.h>
 #include <gtest/gtest.h>
 
-#include <cstring>
-
 #include "render/gl/objects.h"
 #include "render/gl/program.h"
 #include "render/renderer.h"
+#include "tests/render/support/agreement.h"
 #include "tests/render/support/gl_state.h"
 #include "tests/render/support/synthetic.h"
 
@@ -97,125 +96,91 @@ void begin_transform_feedback() {
   glBeginTransformFeedback(GL_TRIANGLES);
 }
 
+void write_elsewhere() {
+  for (const GLenum test : {GL_BLEND, GL_COLOR_LOGIC_OP, GL_SCISSOR_TEST, GL_FRAMEBUFFER_SRGB}) {
+    glEnable(test);
+  }
+  glBlendFunc(GL_ONE, GL_ONE);
+  glEnablei(GL_BLEND, 1);
+  glBlendFunci(1, GL_ZERO, GL_ONE);
+  glColorMask(GL_FALSE, GL_TRUE, GL_FALSE, GL_FALSE);
+  glColorMaski(1, GL_FALSE, GL_FALSE, GL_TRUE, GL_TRUE);
+  glLogicOp(GL_INVERT);
+  glScissor(3, 4, 5, 6);
+  glViewport(1, 2, 3, 4);
+  glDisable(GL_DITHER);
+}
+
+void cover_fewer_pixels() {
+  for (const GLenum test : {GL_POLYGON_SMOOTH,
+                            GL_POLYGON_OFFSET_FILL,
+                            GL_CULL_FACE,
+                            GL_RASTERIZER_DISCARD,
+                            GL_PRIMITIVE_RESTART}) {
+    glEnable(test);
+  }
+  glPolygonMode(GL_FRONT_AND_BACK, GL_LINE);
+  glPolygonOffset(3, 5);
+  glCullFace(GL_FRONT_AND_BACK);
+  glFrontFace(GL_CW);
+  glPrimitiveRestartIndex(1);
+  for (GLenum i = 0; i < 8; ++i) glEnable(GL_CLIP_DISTANCE0 + i);
+  glClipControl(GL_UPPER_LEFT, GL_ZERO_TO_ONE);
+  glProvokingVertex(GL_FIRST_VERTEX_CONVENTION);
+}
+
+void reject_fragments() {
+  for (const GLenum test : {GL_DEPTH_TEST, GL_DEPTH_CLAMP, GL_STENCIL_TEST}) glEnable(test);
+  glDepthFunc(GL_NEVER);
+  glDepthMask(GL_FALSE);
+  glDepthRange(0.9, 0.2);
+  glStencilFunc(GL_NEVER, 1, 1);
+  glStencilMask(0);
+}
+
+void reject_samples() {
+  for (const GLenum test : {GL_SAMPLE_MASK,
+                            GL_SAMPLE_COVERAGE,
+                            GL_SAMPLE_ALPHA_TO_COVERAGE,
+                            GL_SAMPLE_ALPHA_TO_ONE,
+                            GL_SAMPLE_SHADING}) {
+    glEnable(test);
+  }
+  glSampleMaski(0, 0);
+  glSampleCoverage(0, GL_FALSE);
+  glMinSampleShading(1);
+  glDisable(GL_MULTISAMPLE);
+}
+
+void lay_out_pixels() {
+  set_layout({GL_UNPACK_SKIP_PIXELS, GL_UNPACK_SKIP_ROWS, GL_UNPACK_SKIP_IMAGES}, 1);
+  set_layout({GL_UNPACK_ROW_LENGTH, GL_UNPACK_IMAGE_HEIGHT}, 7);
+  set_layout({GL_UNPACK_SWAP_BYTES, GL_UNPACK_LSB_FIRST}, 1);
+  set_layout({GL_PACK_SKIP_PIXELS, GL_PACK_SKIP_ROWS, GL_PACK_SKIP_IMAGES}, 1);
+  set_layout({GL_PACK_ROW_LENGTH, GL_PACK_IMAGE_HEIGHT}, 7);
+  set_layout({GL_PACK_SWAP_BYTES, GL_PACK_LSB_FIRST}, 1);
+  set_layout({GL_UNPACK_ALIGNMENT, GL_PACK_ALIGNMENT}, 8);
+}
+
+void bind_buffers() {
+  glBindBuffer(GL_PIXEL_UNPACK_BUFFER, buffer_of(1 << 22));
+  glBindBuffer(GL_PIXEL_PACK_BUFFER, buffer_of(1 << 22));
+}
+
 struct Hostile {
   const char* name;
   void (*set)();
 };
 
+/// States of a row do not hide each other: one that a renderer keeps changes its picture, where the
+/// others of the row are reset.
 constexpr Hostile kStates[] = {
-    {"blending",
-     [] {
-       glEnable(GL_BLEND);
-       glBlendFunc(GL_ONE, GL_ONE);
-     }},
-    {"blending_of_one_buffer",
-     [] {
-       glEnablei(GL_BLEND, 1);
-       glBlendFunci(1, GL_ZERO, GL_ONE);
-     }},
-    {"colour_mask", [] { glColorMask(GL_FALSE, GL_TRUE, GL_FALSE, GL_FALSE); }},
-    {"colour_mask_of_one_buffer", [] { glColorMaski(1, GL_FALSE, GL_FALSE, GL_TRUE, GL_TRUE); }},
-    {"logic_op",
-     [] {
-       glEnable(GL_COLOR_LOGIC_OP);
-       glLogicOp(GL_INVERT);
-     }},
-    {"polygon_mode", [] { glPolygonMode(GL_FRONT_AND_BACK, GL_LINE); }},
-    {"polygon_smooth", [] { glEnable(GL_POLYGON_SMOOTH); }},
-    {"polygon_offset",
-     [] {
-       glEnable(GL_POLYGON_OFFSET_FILL);
-       glPolygonOffset(3, 5);
-     }},
-    {"cull_face",
-     [] {
-       glEnable(GL_CULL_FACE);
-       glCullFace(GL_FRONT_AND_BACK);
-       glFrontFace(GL_CW);
-     }},
-    {"rasterizer_discard", [] { glEnable(GL_RASTERIZER_DISCARD); }},
-    {"scissor",
-     [] {
-       glEnable(GL_SCISSOR_TEST);
-       glScissor(3, 4, 5, 6);
-     }},
-    {"viewport", [] { glViewport(1, 2, 3, 4); }},
-    {"depth",
-     [] {
-       glEnable(GL_DEPTH_TEST);
-       glDepthFunc(GL_NEVER);
-       glDepthMask(GL_FALSE);
-       glDepthRange(0.9, 0.2);
-       glEnable(GL_DEPTH_CLAMP);
-     }},
-    {"stencil",
-     [] {
-       glEnable(GL_STENCIL_TEST);
-       glStencilFunc(GL_NEVER, 1, 1);
-       glStencilMask(0);
-     }},
-    {"sample_mask",
-     [] {
-       glEnable(GL_SAMPLE_MASK);
-       glSampleMaski(0, 0);
-     }},
-    {"sample_coverage",
-     [] {
-       glEnable(GL_SAMPLE_COVERAGE);
-       glSampleCoverage(0, GL_FALSE);
-     }},
-    {"sample_alpha",
-     [] {
-       glEnable(GL_SAMPLE_ALPHA_TO_COVERAGE);
-       glEnable(GL_SAMPLE_ALPHA_TO_ONE);
-     }},
-    {"sample_shading",
-     [] {
-       glEnable(GL_SAMPLE_SHADING);
-       glMinSampleShading(1);
-       glDisable(GL_MULTISAMPLE);
-     }},
-    {"srgb_framebuffer", [] { glEnable(GL_FRAMEBUFFER_SRGB); }},
-    {"no_dither", [] { glDisable(GL_DITHER); }},
-    {"primitive_restart",
-     [] {
-       glEnable(GL_PRIMITIVE_RESTART);
-       glPrimitiveRestartIndex(1);
-     }},
-    {"clip_distances",
-     [] {
-       for (GLenum i = 0; i < 8; ++i) glEnable(GL_CLIP_DISTANCE0 + i);
-     }},
-    {"clip_control", [] { glClipControl(GL_UPPER_LEFT, GL_ZERO_TO_ONE); }},
-    {"provoking_vertex", [] { glProvokingVertex(GL_FIRST_VERTEX_CONVENTION); }},
-    {"unpack_skips",
-     [] {
-       set_layout({GL_UNPACK_SKIP_PIXELS, GL_UNPACK_SKIP_ROWS, GL_UNPACK_SKIP_IMAGES}, 1);
-     }},
-    {"unpack_rows",
-     [] {
-       set_layout({GL_UNPACK_ROW_LENGTH, GL_UNPACK_IMAGE_HEIGHT}, 7);
-     }},
-    {"unpack_bytes",
-     [] {
-       set_layout({GL_UNPACK_ALIGNMENT}, 8);
-       set_layout({GL_UNPACK_SWAP_BYTES, GL_UNPACK_LSB_FIRST}, 1);
-     }},
-    {"pack_skips",
-     [] {
-       set_layout({GL_PACK_SKIP_PIXELS, GL_PACK_SKIP_ROWS, GL_PACK_SKIP_IMAGES}, 1);
-     }},
-    {"pack_rows",
-     [] {
-       set_layout({GL_PACK_ROW_LENGTH, GL_PACK_IMAGE_HEIGHT}, 7);
-     }},
-    {"pack_bytes",
-     [] {
-       set_layout({GL_PACK_ALIGNMENT}, 8);
-       set_layout({GL_PACK_SWAP_BYTES, GL_PACK_LSB_FIRST}, 1);
-     }},
-    {"unpack_buffer", [] { glBindBuffer(GL_PIXEL_UNPACK_BUFFER, buffer_of(1 << 22)); }},
-    {"pack_buffer", [] { glBindBuffer(GL_PIXEL_PACK_BUFFER, buffer_of(1 << 22)); }},
+    {"writes", write_elsewhere},
+    {"coverage", cover_fewer_pixels},
+    {"fragments", reject_fragments},
+    {"samples", reject_samples},
+    {"layout", lay_out_pixels},
+    {"buffers", bind_buffers},
     {"samplers", bind_samplers},
     {"textures", bind_textures},
     {"framebuffers", bind_framebuffers},
@@ -265,23 +230,12 @@ const std::vector<Picture>& clean_pictures(PipelineMode mode) {
   return made[mode];
 }
 
-/// Bitwise, so that NaN (no surface) equals itself.
-template <class Pixel>
-void expect_same(const Image<Pixel>& a, const Image<Pixel>& b, const char* what) {
-  ASSERT_EQ(a.pixels.size(), b.pixels.size()) << what;
-  EXPECT_EQ(std::memcmp(a.pixels.data(), b.pixels.data(), a.pixels.size() * sizeof(Pixel)), 0)
-      << what;
-}
-
 void expect_clean(const std::vector<Picture>& made, PipelineMode mode) {
   const std::vector<Picture>& clean = clean_pictures(mode);
   ASSERT_EQ(made.size(), clean.size());
   for (std::size_t i = 0; i < made.size(); ++i) {
     EXPECT_GT(testing::hits(clean[i].depth_m), 500);
-    expect_same(made[i].depth_m, clean[i].depth_m, "depth");
-    expect_same(made[i].filtered_depth_m, clean[i].filtered_depth_m, "filtered depth");
-    expect_same(made[i].surface, clean[i].surface, "surface");
-    expect_same(made[i].volume, clean[i].volume, "volume");
+    testing::expect_same_bits(made[i], clean[i]);
   }
 }
 

@@ -13,6 +13,7 @@
 #include "render/passes/surface_shader.h"
 #include "render/reference/reference_passes.h"
 #include "tests/render/support/gl_fixture.h"
+#include "tests/render/support/settings.h"
 #include "tests/render/support/synthetic.h"
 
 namespace wobblebench::render {
@@ -190,7 +191,7 @@ Texture upload(const Image<glm::dvec3>& picture) {
 
 struct ShadingCase {
   const char* name;
-  void (*change)(RenderOptions&);
+  const char* settings;
 };
 
 class PassThree : public ::testing::TestWithParam<std::tuple<PipelineMode, ShadingCase>> {};
@@ -201,7 +202,7 @@ TEST_P(PassThree, ShadesLikeTheReference) {
   options.ray_casting.image_size = 96;
   const auto& [mode, shading_case] = GetParam();
   options.pipeline.mode = mode;
-  shading_case.change(options);
+  testing::set(options, shading_case.settings);
   Image<double> depth = bumpy_depth(96);
   if (options.view.projection == Projection::perspective) {
     for (double& z : depth.pixels) z += options.view.eye_distance_m - 0.07;
@@ -231,49 +232,22 @@ TEST_P(PassThree, ShadesLikeTheReference) {
 }
 
 const ShadingCase kShadingCases[] = {
-    {"defaults", [](RenderOptions&) {}},
-    {"unfiltered", [](RenderOptions& o) { o.shading.depth_filter_size = 1; }},
-    {"widest_filter", [](RenderOptions& o) { o.shading.depth_filter_size = 15; }},
-    {"no_shadows", [](RenderOptions& o) { o.shading.shadows = false; }},
-    {"mirrored", [](RenderOptions& o) { o.view.flip = true; }},
-    {"directional_from_the_left",
-     [](RenderOptions& o) {
-       o.shading.light = Light::directional;
-       o.shading.light_left_rad = 50 * kDegree;
-     }},
-    {"directional_along_the_view",
-     [](RenderOptions& o) {
-       o.shading.light = Light::directional;
-       o.shading.light_up_rad = 0;
-     }},
-    {"point_near_the_surface",
-     [](RenderOptions& o) {
-       o.shading.light_distance_m = 0.03;
-       o.shading.light_left_rad = -60 * kDegree;
-     }},
-    {"perspective",
-     [](RenderOptions& o) {
-       o.view.projection = Projection::perspective;
-       o.shading.light_left_rad = 40 * kDegree;
-     }},
+    {"defaults", ""},
+    {"unfiltered", "shading.depth_filter_size=1"},
+    {"widest_filter", "shading.depth_filter_size=15"},
+    {"no_shadows", "shading.shadows=false"},
+    {"mirrored", "view.flip=true"},
+    {"directional_from_the_left", "shading.light=directional shading.light_left_deg=50"},
+    {"directional_along_the_view", "shading.light=directional shading.light_up_deg=0"},
+    {"point_near_the_surface", "shading.light_distance_mm=30 shading.light_left_deg=-60"},
+    {"perspective", "view.projection=perspective shading.light_left_deg=40"},
     {"perspective_directional",
-     [](RenderOptions& o) {
-       o.view.projection = Projection::perspective;
-       o.shading.light = Light::directional;
-       o.shading.light_left_rad = 60 * kDegree;
-     }},
-    {"turned_view",
-     [](RenderOptions& o) {
-       o.view = {0.5, -0.4, 0.3};
-     }},
-    {"rendered_base", [](RenderOptions& o) { o.shading.base = ShadingBase::rendered; }},
+     "view.projection=perspective shading.light=directional shading.light_left_deg=60"},
+    {"turned_view", "view.yaw_deg=29 view.pitch_deg=-23 view.roll_deg=17"},
+    {"rendered_base", "shading.base=rendered"},
     {"rendered_base_directional",
-     [](RenderOptions& o) {
-       o.shading.base = ShadingBase::rendered;
-       o.shading.base_rgb = {1, 1, 1};
-       o.shading.light = Light::directional;
-       o.shading.light_left_rad = 50 * kDegree;
-     }},
+     "shading.base=rendered shading.base_rgb=1,1,1 shading.light=directional "
+     "shading.light_left_deg=50"},
 };
 
 std::string shading_name(const ::testing::TestParamInfo<PassThree::ParamType>& info) {
@@ -281,7 +255,7 @@ std::string shading_name(const ::testing::TestParamInfo<PassThree::ParamType>& i
   return std::string(mode == PipelineMode::fast ? "fast_" : "plain_") + shading_case.name;
 }
 
-INSTANTIATE_TEST_SUITE_P(Each,
+INSTANTIATE_TEST_SUITE_P(Lights,
                          PassThree,
                          ::testing::Combine(::testing::Values(PipelineMode::plain,
                                                               PipelineMode::fast),
@@ -346,7 +320,7 @@ const SmoothingCase kSmoothingCases[] = {
     {"fast_guided", PipelineMode::fast, SmoothingFilter::guided},
 };
 
-INSTANTIATE_TEST_SUITE_P(Each,
+INSTANTIATE_TEST_SUITE_P(Filters,
                          PassFour,
                          ::testing::ValuesIn(kSmoothingCases),
                          [](const auto& param_info) { return param_info.param.name; });

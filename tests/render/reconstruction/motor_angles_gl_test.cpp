@@ -141,9 +141,9 @@ const Law kLaws[] = {
     {"backlash", [](double t) { return std::max(t - 0.05, 0.0) - 0.5; }},
 };
 
-class EachLaw : public ::testing::TestWithParam<std::tuple<Law, hw::MotorMode>> {};
+class BallScanned : public ::testing::TestWithParam<std::tuple<Law, hw::MotorMode>> {};
 
-TEST_P(EachLaw, PlacesABallWhereItIs) {
+TEST_P(BallScanned, IsWhereItIs) {
   const Law& law = std::get<0>(GetParam());  // clang 14 captures no structured binding
   const hw::MotorMode motor = std::get<1>(GetParam());
   const hw::AcquisitionPlan plan = plan_of(motor);
@@ -172,8 +172,8 @@ struct NamedByLawAndMotor {
   }
 };
 
-INSTANTIATE_TEST_SUITE_P(MotorAngles,
-                         EachLaw,
+INSTANTIATE_TEST_SUITE_P(MotorLaws,
+                         BallScanned,
                          ::testing::Combine(::testing::ValuesIn(kLaws),
                                             ::testing::Values(hw::MotorMode::stepped,
                                                               hw::MotorMode::alternating)),

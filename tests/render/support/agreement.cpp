@@ -32,4 +32,11 @@ Picture rendered(const hw::PolarVolume& volume, RenderOptions options, PipelineM
   return render_volume(gl_context(), volume, options);
 }
 
+void expect_same_bits(const Picture& got, const Picture& expected) {
+  EXPECT_TRUE(same_bits(got.depth_m, expected.depth_m));
+  EXPECT_TRUE(same_bits(got.filtered_depth_m, expected.filtered_depth_m));
+  EXPECT_TRUE(same_bits(got.surface, expected.surface));
+  EXPECT_TRUE(same_bits(got.volume, expected.volume));
+}
+
 }  // namespace wobblebench::render::testing

@@ -24,4 +24,7 @@ int expect_same(const Picture& got,
 /// In this mode of the pipeline.
 Picture rendered(const hw::PolarVolume& volume, RenderOptions options, PipelineMode mode);
 
+/// To the bit, all images of both.
+void expect_same_bits(const Picture& got, const Picture& expected);
+
 }  // namespace wobblebench::render::testing

@@ -75,7 +75,7 @@ ColorDifference compare(const Image<glm::vec3>& a, const Image<glm::vec3>& b, do
 /// Bitwise, so that NaN (no surface) equals itself.
 template <class Pixel>
 bool same_bits(const Image<Pixel>& a, const Image<Pixel>& b) {
-  return a.pixels.size() == b.pixels.size() && !a.pixels.empty() &&
+  return a.pixels.size() == b.pixels.size() &&
          std::memcmp(a.pixels.data(), b.pixels.data(), a.pixels.size() * sizeof(Pixel)) == 0;
 }
 
