@@ -17,6 +17,7 @@
 #include "bench/exchange/files/npy.h"
 #include "tests/bench/cli/wrong_values.h"
 #include "tests/bench/studies/tables/recording.h"
+#include "tests/support/expect.h"
 
 namespace wobblebench::bench::testing {
 
@@ -50,66 +51,29 @@ class Dice {
 };
 
 /// What can be given where a file is read, and is none.
-const Words& no_files() {
-  static const Words paths = {"none",
-                              "folder",
-                              "",
-                              std::string(300, 'a'),
-                              "loop",
-                              "whole.wbst/under",
-                              "none/\xff",
-                              "none\nnone",
-                              "/proc/self/none"};
+Words no_files() {
+  Words paths = words_of("none folder loop whole.wbst/under none/\xff /proc/self/none");
+  paths.insert(paths.end(), {"", std::string(300, 'a'), "none\nnone"});
   return paths;
 }
 
-const Words& no_scenes() {
-  static const Words paths = {"fifo",
-                              "/dev/null",
-                              "whole.wbst",
-                              "wrong_key.toml",
-                              "wrong_type.toml",
-                              "wrong_range.toml",
-                              "wrong_syntax.toml",
-                              "wrong_section.toml",
-                              "wrong_twice.toml",
-                              "wrong_bytes.toml"};
+Words no_scenes() {
+  return words_of(
+      "fifo /dev/null whole.wbst wrong_key.toml wrong_type.toml wrong_range.toml "
+      "wrong_syntax.toml wrong_section.toml wrong_twice.toml wrong_bytes.toml");
+}
+
+Words no_output_folders() {
+  Words paths =
+      words_of("whole.wbst whole.wbst/out fifo fifo/out loop /proc/out /dev/null /dev/null/out");
+  paths.insert(paths.end(), {"", std::string(300, 'a')});
   return paths;
 }
 
-const Words& no_output_folders() {
-  static const Words paths = {"whole.wbst",
-                              "whole.wbst/out",
-                              "",
-                              "fifo",
-                              "fifo/out",
-                              "loop",
-                              "/proc/out",
-                              "/dev/null",
-                              "/dev/null/out",
-                              std::string(300, 'a')};
-  return paths;
-}
-
-const Words& no_numbers() {
-  static const Words texts = {"",
-                              " 5",
-                              "5 ",
-                              "+5",
-                              "1.5",
-                              "1e3",
-                              "0x10",
-                              "nan",
-                              "inf",
-                              "-inf",
-                              "five",
-                              "true",
-                              "5,6",
-                              "\xff",
-                              "1'000",
-                              "5\n6",
-                              "--5",
-                              "184467440737095516160"};
+Words no_numbers() {
+  Words texts =
+      words_of("+5 1.5 1e3 0x10 nan inf -inf five true 5,6 \xff 1'000 --5 184467440737095516160");
+  texts.insert(texts.end(), {"", " 5", "5 ", "5\n6"});
   return texts;
 }
 
@@ -155,7 +119,7 @@ std::optional<std::string> right_value(const CLI::Option& option) {
                                                             {"--unit", "mm"},
                                                             {"--limit", "p95_mm<=2"},
                                                             {"--kind", "ray"}};
-  static const std::set<std::string> unfit = {"--no-cache", "--gpu", "--requests"};
+  static const std::set<std::string> unfit = {"--no-cache", "--gpu", "--requests", "--iq"};
   if (unfit.contains(name_of(option))) return {};
   if (is_flag(option)) return "";
   if (is_number(option)) return std::to_string(std::max(1L, range_of(option).first));
@@ -200,13 +164,25 @@ class BadLines::Impl {
   Impl(const Program& program, bool takes_sim, std::uint64_t seed)
       : app_(program.description, program.name),
         commands_(program.add_commands(app_)),
-        boards_(takes_sim ? wrong_boards() : Words{"sim", "nonsense", "", "file=none.wbst"}),
+        wrong_values_(
+            {{"--set", wrong_settings(), "wrong"},
+             {"--board",
+              takes_sim ? wrong_boards() : Words{"sim", "nonsense", "", "file=none.wbst"},
+              "wrong"},
+             {"--gl", {"glide", "", "OSMESA", "\xff", "osmesa,egl", "vulkan\n"}, "unknown"},
+             {"--study", {"none", "", "Speckle", "speckle,density", "\xff"}, "unknown"},
+             {"--out", no_output_folders(), "no folder"},
+             {"SCENE", no_files(), "no file"},
+             {"SCENE", no_scenes(), "no scene"},
+             {"RECORDING", no_files(), "no recording"},
+             {"--salvage", {"", "folder", "whole.wbst", "whole.wbst/new"}, "no place"},
+             {"FOLDER", {"none", "whole.wbst", "", "fifo", "loop"}, "no folder"}}),
         dice_(seed) {}
 
   BadLine next() {
     for (;;) {
       command_ = dice_.one_of(commands_).parser;
-      const Way& way = dice_.one_of(ways_);
+      const Way way = dice_.chance(0.6) ? &Impl::wrong_value : dice_.one_of(ways_);
       if (std::optional<BadLine> line = (this->*way)()) return *line;
     }
   }
@@ -351,30 +327,10 @@ class BadLines::Impl {
     if (value.starts_with("--")) line.says = value;  // an option that is unknown
     return line;
   }
-  std::optional<BadLine> wrong_setting() { return value_of("--set", settings_, "wrong"); }
-  std::optional<BadLine> wrong_board() { return value_of("--board", boards_, "wrong"); }
-  std::optional<BadLine> wrong_gl() {
-    return value_of("--gl", {"glide", "", "OSMESA", "\xff", "osmesa,egl", "vulkan\n"}, "unknown");
-  }
-  std::optional<BadLine> wrong_study() {
-    return value_of("--study", {"none", "", "Speckle", "speckle,density", "\xff"}, "unknown");
-  }
-  std::optional<BadLine> wrong_folder() {
-    return value_of("--out", no_output_folders(), "no folder");
-  }
-  std::optional<BadLine> wrong_scene() {
-    Words values = no_files();
-    values.insert(values.end(), no_scenes().begin(), no_scenes().end());
-    return value_of("SCENE", values, "no scene");
-  }
-  std::optional<BadLine> wrong_recording() {
-    return value_of("RECORDING", no_files(), "no recording");
-  }
-  std::optional<BadLine> wrong_place_of_salvage() {
-    return value_of("--salvage", {"", "folder", "whole.wbst", "whole.wbst/new"}, "no place");
-  }
-  std::optional<BadLine> wrong_place_of_stand_in() {
-    return value_of("FOLDER", {"none", "whole.wbst", "", "fifo", "loop"}, "no folder");
+  std::optional<BadLine> wrong_value() {
+    const WrongValues& wrong =
+        dice_.chance(0.3) ? wrong_values_.front() : dice_.one_of(wrong_values_);
+    return value_of(wrong.option, wrong.values, wrong.why);
   }
   std::optional<BadLine> too_many_words() {
     const auto positional =
@@ -400,32 +356,19 @@ class BadLines::Impl {
                                                 &Impl::repeated_option,
                                                 &Impl::flag_with_value,
                                                 &Impl::wrong_number,
-                                                &Impl::wrong_number,
-                                                &Impl::wrong_setting,
-                                                &Impl::wrong_setting,
-                                                &Impl::wrong_setting,
-                                                &Impl::wrong_setting,
-                                                &Impl::wrong_setting,
-                                                &Impl::wrong_board,
-                                                &Impl::wrong_board,
-                                                &Impl::wrong_board,
-                                                &Impl::wrong_gl,
-                                                &Impl::wrong_study,
-                                                &Impl::wrong_folder,
-                                                &Impl::wrong_folder,
-                                                &Impl::wrong_scene,
-                                                &Impl::wrong_scene,
-                                                &Impl::wrong_recording,
-                                                &Impl::wrong_place_of_salvage,
-                                                &Impl::wrong_place_of_stand_in,
                                                 &Impl::too_many_words,
                                                 &Impl::missing_requirement,
                                                 &Impl::options_that_exclude};
 
+  struct WrongValues {
+    const char* option;
+    Words values;
+    const char* why;
+  };
+
   CLI::App app_;
   std::vector<Command> commands_;
-  Words settings_ = wrong_settings();
-  Words boards_;
+  std::vector<WrongValues> wrong_values_;
   Dice dice_;
   CLI::App* command_ = nullptr;
 };

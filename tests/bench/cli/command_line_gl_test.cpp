@@ -15,27 +15,17 @@ namespace wobblebench::bench {
 namespace {
 
 /// Small enough to run in a second or two.
-const Words kQuick = with(kSphere, {kPicture, {"--set", "acquisition.frames_per_volume=9"}});
-const Words kResults = {"depth.exr",
-                        "error.png",
-                        "error_depth.exr",
-                        "errors.vl.json",
-                        "planes.png",
-                        "regions.vl.json",
-                        "report.html",
-                        "report.json",
-                        "sheet.png",
-                        "surface.png",
-                        "truth.png",
-                        "truth_depth.exr",
-                        "truth_reason.png",
-                        "volume.png"};
+const Words kQuick = with(kSphere, {kPicture, set("acquisition.frames_per_volume=9")});
+const Words kResults = words_of(
+    "depth.exr error.png error_depth.exr errors.vl.json planes.png regions.vl.json report.html "
+    "report.json sheet.png surface.png truth.png truth_depth.exr truth_reason.png volume.png");
 
-TEST(CommandLine, RunWritesItsResultsAndAReportWithTheDocumentedKeys) {
-  const ScratchFolder folder;
-  const auto result = bench(with({"run", "--json"}, {kQuick}), folder);
+using CommandLine = InFolder;
+
+TEST_F(CommandLine, RunWritesItsResultsAndAReportWithTheDocumentedKeys) {
+  const auto result = bench("run --json", {kQuick});
   ASSERT_EQ(result.exit_code, 0) << result.err;
-  EXPECT_EQ(folder.files("out"), kResults);
+  EXPECT_EQ(folder_.files("out"), kResults);
   const auto report = nlohmann::json::parse(result.out);
   EXPECT_NEAR(report.at("acquisition").at("volume_time_ms").get<double>(),
               9 * 64 * 2 * 0.16 / 1540 * 1e3,
@@ -58,10 +48,9 @@ TEST(CommandLine, RunWritesItsResultsAndAReportWithTheDocumentedKeys) {
   EXPECT_FALSE(report.at("provenance").at("gl_renderer").get<std::string>().empty());
 }
 
-TEST(CommandLine, RunRegistersWhereItIsAskedTo) {
-  const ScratchFolder folder;
+TEST_F(CommandLine, RunRegistersWhereItIsAskedTo) {
   const auto report_of = [&](const Words& more) {
-    return nlohmann::json::parse(bench(with({"run", "--json"}, {kQuick, more}), folder).out);
+    return nlohmann::json::parse(bench("run --json", {kQuick, more}).out);
   };
   const auto plain = report_of({}), registered = report_of({"--register"});
   EXPECT_TRUE(plain.at("fit").at("registration").is_null());
@@ -71,15 +60,14 @@ TEST(CommandLine, RunRegistersWhereItIsAskedTo) {
   EXPECT_TRUE(registered.at("timing").at("wall_ms").contains("register"));
 }
 
-TEST(CommandLine, ARunFromTheCacheIsTheSameRun) {
-  const ScratchFolder folder;
+TEST_F(CommandLine, ARunFromTheCacheIsTheSameRun) {
   const auto run = [&](const std::string& out, const Words& more, const fs::path& cache) {
     const auto result =
-        bench(with({"run", "--json", "--out", out}, {kQuick, more}), folder, {.cache_home = cache});
+        bench(with({"run", "--json", "--out", out}, {kQuick, more}), {.cache_home = cache});
     EXPECT_EQ(result.exit_code, 0) << result.err;
     return nlohmann::json::parse(result.out);
   };
-  const fs::path cache = folder.path() / "cache";
+  const fs::path cache = at("cache");
   const nlohmann::json made = {{"phantom", false}, {"tissue_map", false}};
   const nlohmann::json kept = {{"phantom", true}, {"tissue_map", true}};
   EXPECT_EQ(run("without", {"--no-cache"}, cache).at("timing").at("cached"), made);
@@ -91,57 +79,49 @@ TEST(CommandLine, ARunFromTheCacheIsTheSameRun) {
   for (const auto& name : kResults) {
     if (name.starts_with("report.")) continue;  // it has times
     for (const char* out : {"cold", "warm", "anew", "unwritable"}) {
-      EXPECT_EQ(bytes_of(folder.path() / out / name), bytes_of(folder.path() / "without" / name))
-          << out << " " << name;
+      EXPECT_EQ(bytes_of(at(out) / name), bytes_of(at("without") / name)) << out << " " << name;
     }
   }
 }
 
-TEST(CommandLine, ARecordingFromTheCacheIsTheSameRecording) {
-  const ScratchFolder folder;
-  const Words scene = {"--set", "phantom.name=sphere", "--set", "phantom.voxel_mm=2"};
-  const fs::path cache = folder.path() / "cache";
+TEST_F(CommandLine, ARecordingFromTheCacheIsTheSameRecording) {
+  const Words scene = set("phantom.name=sphere phantom.voxel_mm=2");
+  const fs::path cache = at("cache");
   for (const auto& [out, more] : std::map<std::string, Words>{
            {"1 without", {"--no-cache"}}, {"2 cold", {}}, {"3 warm", {}}}) {
-    const auto result =
-        bench(with({"record", "--out", out}, {scene, more}), folder, {.cache_home = cache});
+    const auto result = bench(with({"record", "--out", out}, {scene, more}), {.cache_home = cache});
     ASSERT_EQ(result.exit_code, 0) << result.err;
-    EXPECT_EQ(bytes_of(folder.path() / out / "recording.wbst"),
-              bytes_of(folder.path() / "1 without" / "recording.wbst"))
+    EXPECT_EQ(bytes_of(at(out) / "recording.wbst"), bytes_of(at("1 without/recording.wbst")))
         << out;
   }
-  EXPECT_EQ(folder.files("cache/wobblebench").size(), 2U) << "a phantom and its map";
+  EXPECT_EQ(folder_.files("cache/wobblebench").size(), 2U) << "a phantom and its map";
 }
 
-TEST(CommandLine, PhantomIsReadBackAndScannedTheSame) {
-  const ScratchFolder folder;
-  const Words small = {"--set", "phantom.name=sphere", "--set", "phantom.voxel_mm=2"};
-  const auto made = bench(with({"phantom"}, {small}), folder);
+TEST_F(CommandLine, PhantomIsReadBackAndScannedTheSame) {
+  const Words small = set("phantom.name=sphere phantom.voxel_mm=2");
+  const auto made = bench("phantom", {small});
   ASSERT_EQ(made.exit_code, 0) << made.err;
-  EXPECT_EQ(folder.files("out"), (Words{"phantom.vdb", "report.html", "report.json"}));
-  const auto direct = bench(with({"run", "--json", "--out", "a"}, {kQuick}), folder);
+  EXPECT_EQ(folder_.files("out"), words_of("phantom.vdb report.html report.json"));
+  const auto direct = bench("run --json --out a", {kQuick});
   auto from_file = kQuick;
   from_file[1] = "phantom.name=file";
-  const auto read = bench(
-      with({"run", "--json", "--out", "b", "--set", "phantom.file=out/phantom.vdb"}, {from_file}),
-      folder);
+  const auto read = bench("run --json --out b --set phantom.file=out/phantom.vdb", {from_file});
   ASSERT_EQ(read.exit_code, 0) << read.err;
   EXPECT_EQ(nlohmann::json::parse(direct.out).at("error"),
             nlohmann::json::parse(read.out).at("error"));
 }
 
-TEST(CommandLine, InterruptionLeavesAllResultsOrNone) {
-  const ScratchFolder folder;
+TEST_F(CommandLine, InterruptionLeavesAllResultsOrNone) {
   int interrupted = 0;
-  for (int ms = 5; ms < 4000; ms += ms / 2 + 5) {
+  bool is_done = false;
+  for (int ms = 5; !is_done; ms += ms / 2 + 5) {
     const std::string out = "out" + std::to_string(ms);
     const int signal = ms % 2 == 0 ? SIGINT : SIGTERM;
     const auto result = bench(
         with({"run", "--out", out}, {kQuick}),
-        folder,
         {.interrupt_after = std::chrono::milliseconds(ms), .signal = signal, .no_cache = true});
-    const auto files = folder.files(out);
-    const bool is_done = result.exit_code == 0;
+    const auto files = folder_.files(out);
+    is_done = result.exit_code == 0;
     EXPECT_TRUE(is_done || result.exit_code == 128 + signal)
         << result.exit_code << " " << result.err;
     EXPECT_TRUE((files.empty() && !is_done) || files == kResults)
@@ -151,46 +131,37 @@ TEST(CommandLine, InterruptionLeavesAllResultsOrNone) {
   EXPECT_GT(interrupted, 2);
 }
 
-TEST(CommandLine, AnInterruptedPhantomLeavesNothingWhileItIsWritten) {
+TEST_F(CommandLine, AnInterruptedPhantomLeavesNothingWhileItIsWritten) {
   for (const int signal : {SIGINT, SIGTERM}) {
-    const ScratchFolder folder;
     const auto being_written = [&] {
-      return fs::exists(folder.path() / "out/.wobblebench-partial/phantom.vdb");
+      return fs::exists(at("out/.wobblebench-partial/phantom.vdb"));
     };
-    const auto result = bench({"phantom",
-                               "--set",
-                               "phantom.name=sphere",
-                               "--set",
-                               "phantom.radius_mm=60",
-                               "--set",
-                               "phantom.voxel_mm=0.5"},
-                              folder,
-                              {.interrupt_when = being_written, .signal = signal});
+    const auto result =
+        bench("phantom",
+              {set("phantom.name=sphere phantom.radius_mm=60 phantom.voxel_mm=0.5")},
+              {.interrupt_when = being_written, .signal = signal});
     EXPECT_EQ(result.exit_code, 128 + signal) << result.err;
-    EXPECT_FALSE(fs::exists(folder.path() / "out"));
+    EXPECT_FALSE(fs::exists(at("out")));
   }
 }
 
-TEST(CommandLine, AMissingGlFailsBeforeAnyWork) {
+TEST_F(CommandLine, AMissingGlFailsBeforeAnyWork) {
   const auto built = render::context_backends();
   if (std::find(built.begin(), built.end(), "egl") == built.end()) GTEST_SKIP() << "no EGL";
   setenv("__EGL_VENDOR_LIBRARY_DIRS", "/nonexistent", 1);
-  for (const char* command : {"run", "tables", "modes"}) {
-    const ScratchFolder folder;
-    const auto result = bench({command, "--gl", "egl"}, folder);
-    EXPECT_EQ(result.exit_code, 1);
-    EXPECT_EQ(result.err.find("wobblebench: egl: "), 0u) << result.err;
-    EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1) << result.err;
-    EXPECT_FALSE(fs::exists(folder.path() / "out"));
+  for (const std::string command : {"run", "tables", "modes"}) {
+    const auto result = bench(command + " --gl egl");
+    expect_line(result, 1, "wobblebench: egl: ");
+    EXPECT_EQ(std::ranges::count(result.err, '\n'), 1) << result.err;
+    EXPECT_FALSE(fs::exists(at("out")));
   }
   unsetenv("__EGL_VENDOR_LIBRARY_DIRS");
 }
 
-TEST(CommandLine, ModesFindsTheSamePictureFromEachDirection) {
-  const ScratchFolder folder;
-  const auto result = bench(with({"modes", "--json"}, {kQuick}), folder);
+TEST_F(CommandLine, ModesFindsTheSamePictureFromEachDirection) {
+  const auto result = bench("modes --json", {kQuick});
   ASSERT_EQ(result.exit_code, 0) << result.err;
-  EXPECT_EQ(folder.files("out"), (Words{"modes.csv", "modes.md", "report.html", "report.json"}));
+  EXPECT_EQ(folder_.files("out"), words_of("modes.csv modes.md report.html report.json"));
   const auto report = nlohmann::json::parse(result.out);
   ASSERT_EQ(report.at("modes").size(), 5u);
   for (const auto& row : report.at("modes")) {
@@ -200,49 +171,46 @@ TEST(CommandLine, ModesFindsTheSamePictureFromEachDirection) {
   }
 }
 
-TEST(CommandLine, RunReportsTheGlThatRendered) {
+TEST_F(CommandLine, RunReportsTheGlThatRendered) {
   std::string first;
   for (const std::string& gl : render::context_backends()) {
-    const ScratchFolder folder;
-    const auto result = bench(with({"run", "--json", "--gl", gl}, {kQuick}), folder);
+    const auto result = bench("run --json --gl " + gl, {kQuick});
     if (result.exit_code == 1) continue;  // not on this machine
     ASSERT_EQ(result.exit_code, 0) << result.err;
     EXPECT_EQ(nlohmann::json::parse(result.out).at("provenance").at("gl_backend"), gl);
     if (first.empty()) first = gl;
   }
-  const ScratchFolder folder;
-  const auto result = bench(with({"run", "--json"}, {kQuick}), folder);  // --gl auto
-  ASSERT_EQ(result.exit_code, 0) << result.err;
-  EXPECT_EQ(nlohmann::json::parse(result.out).at("provenance").at("gl_backend"), first);
+  const auto report = report_of(bench("run --json", {kQuick}));  // --gl auto
+  EXPECT_EQ(report.at("provenance").at("gl_backend"), first);
 }
 
-TEST(CommandLine, ResultsOfAnEarlierRunSurviveAFailedOne) {
-  const ScratchFolder folder;
-  ASSERT_EQ(bench(with({"run"}, {kQuick}), folder).exit_code, 0);
-  const auto failed = bench(with({"run"}, {kQuick}), folder, {.file_bytes = 500, .no_cache = true});
+TEST_F(CommandLine, ResultsOfAnEarlierRunSurviveAFailedOne) {
+  ASSERT_EQ(bench("run", {kQuick}).exit_code, 0);
+  const auto failed = bench("run", {kQuick}, {.file_bytes = 500, .no_cache = true});
   EXPECT_EQ(failed.exit_code, 1);
-  EXPECT_EQ(folder.files("out"), kResults);
+  EXPECT_EQ(folder_.files("out"), kResults);
 }
 
 const Words kSmall = with(kSphere, {kPicture, kScan});
 
+using PathsOfAnyBytes = InFolder;
+
 /// JSON cannot hold paths that are no UTF-8.
-TEST(PathsOfAnyBytes, WorkOrAreOneLine) {
-  const ScratchFolder folder;
-  folder.write("\xff.toml", "[acquisition]\ndepth_mm = 100\n");
+TEST_F(PathsOfAnyBytes, WorkOrAreOneLine) {
+  folder_.write("\xff.toml", "[acquisition]\ndepth_mm = 100\n");
   for (const Words& first : {Words{"run", "--json", "--out", "\xff"},
                              {"run", "--json", "\xff.toml"},
                              {"record", "--json", "--volumes", "1", "--out", "\xfe"},
                              {"run", "--json", "--board", "file=\xfe/recording.wbst"},
                              {"inspect", "--json", "\xfe/recording.wbst"},
                              {"phantom", "--json", "--out", "\xfd"}}) {
-    const auto result = bench(with(first, {first[0] == "inspect" ? Words{} : kSmall}), folder);
+    const auto result = bench(with(first, {first[0] == "inspect" ? Words{} : kSmall}));
     EXPECT_EQ(result.exit_code, 0) << result.err;
     EXPECT_TRUE(nlohmann::json::accept(result.out)) << first[0];
   }
-  EXPECT_EQ(folder.files("\xff"), kResults);
-  EXPECT_EQ(folder.files("\xfd").size(), 3u);
-  const auto refused = bench(with({"run", "--board", "file=none\xff"}, {kSmall}), folder);
+  EXPECT_EQ(folder_.files("\xff"), kResults);
+  EXPECT_EQ(folder_.files("\xfd").size(), 3u);
+  const auto refused = bench(with({"run", "--board", "file=none\xff"}, {kSmall}));
   EXPECT_EQ(refused.exit_code, 2);
   EXPECT_EQ(refused.err.find("wobblebench: --board = file=none\\xff: "), 0u) << refused.err;
   EXPECT_EQ(std::count(refused.err.begin(), refused.err.end(), '\n'), 1) << refused.err;

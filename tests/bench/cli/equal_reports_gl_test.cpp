@@ -19,14 +19,12 @@ const std::string kPlan =
     "design = \"sobol\"\npoints = 2\nseeds = 1\nrepeats = 1\n[scenes.ball]\n" + kScene +
     "[unseen.ball]\n" + kScene + "[axes]\n\"render.ray_casting.steps\" = [32, 64]\n";
 
-class EqualReports : public ::testing::Test {
+class EqualReports : public InFolder {
  protected:
   EqualReports() { folder_.write("plan.toml", kPlan); }
 
   Json report_of(const Words& line) const {
-    const auto result = bench(with(line, {{"--json"}}), folder_);
-    EXPECT_EQ(result.exit_code, 0) << result.err;
-    return Json::parse(result.out);
+    return wobblebench::bench::report_of(bench(with(line, {{"--json"}})));
   }
   /// What a reader compares: the second run meets what the first left in its folder.
   void expect_equal(const Words& line) const {
@@ -39,35 +37,28 @@ class EqualReports : public ::testing::Test {
     }
     EXPECT_EQ(Json::diff(first, second), Json::array());
   }
-
-  ScratchFolder folder_;
 };
 
 TEST_F(EqualReports, OfCommandsThatReadABoard) {
-  expect_equal(with({"run"}, {kSphere, kScan, kPicture}));
-  expect_equal(with({"run", "--register", "--board", "sim,faults=drop:0.1+seed:3"},
+  expect_equal(with(words_of("run --register --board sim,faults=drop:0.1+seed:3"),
                     {kSphere, kScan, kPicture}));
-  const Words record = {"record", "--volumes", "5", "--replace", "--out", "rec"};
+  const Words record = words_of("record --volumes 5 --replace --out rec");
   expect_equal(with(record, {kSphere, kScan}));
   const std::string board = "file=rec/recording.wbst";
   expect_equal({"inspect", "rec/recording.wbst"});
-  expect_equal(with({"run", "--board", board}, {kSphere, kPicture}));
   expect_equal(
       with({"run", "--board", board + ",faults=drop:0.1+corrupt:0.1"}, {kSphere, kPicture}));
-  for (const char* policy : {"newest", "every"}) {
-    expect_equal(with({"stream", "--board", board, "--policy", policy}, {kSphere, kPicture}));
-  }
-  expect_equal(with({"stream", "--volumes", "3"}, {kSphere, kScan, kPicture}));
-  const Words frames = {"--set", "acquisition.sticks_per_frame=8"};  // 37
-  report_of(with({"record", "--volumes", "1", "--out", "all"}, {kSphere, frames}));
-  expect_equal(
-      {"tables", "--board", "file=all/recording.wbst", "--divisor", "8", "--repeats", "1"});
+  expect_equal(with({"stream", "--board", board, "--policy", "every"}, {kSphere, kPicture}));
+  expect_equal(with(words_of("stream --volumes 3"), {kSphere, kScan, kPicture}));
+  const Words frames = set("acquisition.sticks_per_frame=8");  // 37
+  report_of(with(words_of("record --volumes 1 --out all"), {kSphere, frames}));
+  expect_equal(words_of("tables --board file=all/recording.wbst --divisor 8 --repeats 1"));
 }
 
 TEST_F(EqualReports, OfCommandsThatReadNone) {
   expect_equal(with({"phantom"}, {kSphere}));
-  expect_equal({"rehearse", "--seeds", "5"});
-  expect_equal({"validate", "--study", "shear"});
+  expect_equal(words_of("rehearse --seeds 5"));
+  expect_equal(words_of("validate --study shear"));
   expect_equal(with({"modes"}, {kSphere, kScan, kPicture}));
 }
 
@@ -78,8 +69,8 @@ TEST_F(EqualConformance, OfACorrectBoard) {
 }
 
 TEST_F(EqualReports, OfStudies) {
-  expect_equal(with({"accuracy", "--seeds", "2"}, {kSphere, kScan, kPicture}));
-  expect_equal({"tune", "plan.toml", "--limit", "p95_mm<=20", "--evaluations", "2", "--random"});
+  expect_equal(with(words_of("accuracy --seeds 2"), {kSphere, kScan, kPicture}));
+  expect_equal(words_of("tune plan.toml --limit p95_mm<=20 --evaluations 2 --random"));
   const auto trade = [&](const std::string& out) {
     Json report = report_of({"trade", "plan.toml", "--out", out});
     report.erase("timing");
@@ -92,7 +83,7 @@ TEST_F(EqualReports, OfStudies) {
 /// Emitted sticks of the volume alone, not of what a thread read ahead: of 3 volumes of 144 sticks
 /// the second is rendered, and every tenth stick or so is lost.
 TEST_F(EqualReports, TheBoardsAccountEndsWithTheVolume) {
-  report_of(with({"record", "--volumes", "3", "--out", "rec"}, {kSphere, kScan}));
+  report_of(with(words_of("record --volumes 3 --out rec"), {kSphere, kScan}));
   const auto of = [&](const std::string& more) {
     return report_of(
         with({"run", "--board", "file=rec/recording.wbst" + more}, {kSphere, kPicture}));

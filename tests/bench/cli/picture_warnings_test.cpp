@@ -5,6 +5,7 @@
 
 #include "bench/scene/scene.h"
 #include "phantoms/phantom.h"
+#include "tests/support/expect.h"
 
 namespace wobblebench::bench {
 namespace {
@@ -50,9 +51,7 @@ TEST(PictureWarnings, SayThatAnotherSurfaceHidesTheTrueOne) {
   error.depth.median_m = -6e-3;
   const auto warnings = picture_warnings(picture, scene, &error);
   ASSERT_EQ(warnings.size(), 1U);
-  EXPECT_NE(warnings.front().find("in front of the true one, nearer by a median of 6 mm"),
-            std::string::npos)
-      << warnings.front();
+  EXPECT_TRUE(holds(warnings.front(), "in front of the true one, nearer by a median of 6 mm"));
   error.depth.median_m = 6e-3;
   EXPECT_TRUE(picture_warnings(picture, scene, &error).empty());
 }

@@ -18,12 +18,8 @@ namespace {
 using Json = nlohmann::json;
 
 constexpr std::size_t kHeaderBytes = 128;
-const Words kSmallScan = with({}, {kSphere, kScan, {"--set", "acquisition.samples_per_stick=128"}});
-const Words kTwoVolumes = {"--volumes", "2", "--set", "acquisition.motor=alternating"};
-
-std::string at(const ScratchFolder& folder, const std::string& name) {
-  return bytes_of(folder.path() / name);
-}
+const Words kSmallScan = with({}, {kSphere, kScan, set("acquisition.samples_per_stick=128")});
+const Words kTwoVolumes = words_of("--volumes 2 --set acquisition.motor=alternating");
 
 std::complex<double> iq_at(const std::string& array, std::size_t index) {
   std::complex<float> value;
@@ -41,19 +37,20 @@ double detected(const std::string& array, std::size_t first, std::size_t each, i
   return std::clamp(1 + (20 * std::log10(envelope) + tgc_db + 15) / 60, 0.0, 1.0);
 }
 
-TEST(RecordIq, DetectedItIsTheRecording) {
-  const ScratchFolder folder;
-  const auto result = bench(with({"record", "--iq", "--json"}, {kSmallScan, kTwoVolumes}), folder);
+using RecordIq = InFolder;
+
+TEST_F(RecordIq, DetectedItIsTheRecording) {
+  const auto result = bench("record --iq --json", {kSmallScan, kTwoVolumes});
   ASSERT_EQ(result.exit_code, 0) << result.err;
-  EXPECT_EQ(folder.files("out"),
-            (Words{"iq.npy", "recording.json", "recording.wbst", "report.html", "report.json"}));
+  EXPECT_EQ(folder_.files("out"),
+            words_of("iq.npy recording.json recording.wbst report.html report.json"));
   const Json iq = Json::parse(result.out).at("iq");
   const std::vector<std::size_t> shape = iq.at("shape");
   ASSERT_EQ(shape.size(), 4U);
   EXPECT_EQ(std::vector(shape.begin(), shape.end() - 1), (std::vector<std::size_t>{2, 9, 16}));
   EXPECT_NEAR(iq.at("sample_spacing_mm"), 160.0 / static_cast<double>(shape[3]), 1e-12);
   EXPECT_EQ(iq.at("center_frequency_mhz"), 3.5);
-  const std::string array = at(folder, "out/iq.npy"), bytes = at(folder, "out/recording.wbst");
+  const std::string array = bytes_of(at("out/iq.npy")), bytes = bytes_of(at("out/recording.wbst"));
   ASSERT_EQ(array.size(), kHeaderBytes + 8 * 2 * 9 * 16 * shape[3]);
   hw::Decoder decoder;
   decoder.feed(std::as_bytes(std::span(bytes)));
@@ -75,93 +72,56 @@ TEST(RecordIq, DetectedItIsTheRecording) {
   EXPECT_GT(shown, 5000U);
 }
 
-TEST(RecordIq, LeavesTheRecordingAsItIs) {
-  const ScratchFolder folder;
-  ASSERT_EQ(bench(with({"record", "--iq", "--out", "a"}, {kSmallScan}), folder).exit_code, 0);
-  const auto plain = bench(with({"record", "--out", "b", "--json"}, {kSmallScan}), folder);
-  EXPECT_EQ(at(folder, "a/recording.wbst"), at(folder, "b/recording.wbst"));
-  EXPECT_EQ(folder.files("b"),
-            (Words{"recording.json", "recording.wbst", "report.html", "report.json"}));
+TEST_F(RecordIq, LeavesTheRecordingAsItIs) {
+  ASSERT_EQ(bench("record --iq --out a", {kSmallScan}).exit_code, 0);
+  const auto plain = bench("record --out b --json", {kSmallScan});
+  EXPECT_EQ(bytes_of(at("a/recording.wbst")), bytes_of(at("b/recording.wbst")));
+  EXPECT_EQ(folder_.files("b"), words_of("recording.json recording.wbst report.html report.json"));
   EXPECT_TRUE(Json::parse(plain.out).at("iq").is_null());
 }
 
-TEST(RecordIq, IsWhatWasEmittedWhateverTheLinkLoses) {
-  const ScratchFolder folder;
-  ASSERT_EQ(bench(with({"record", "--iq", "--out", "whole"}, {kSmallScan}), folder).exit_code, 0);
-  const std::string whole = at(folder, "whole/iq.npy");
+TEST_F(RecordIq, IsWhatWasEmittedWhateverTheLinkLoses) {
+  ASSERT_EQ(bench("record --iq --out whole", {kSmallScan}).exit_code, 0);
+  const std::string whole = bytes_of(at("whole/iq.npy"));
   for (const std::string fault : {"drop:0.05+corrupt:0.05+seed:2", "unplug@60"}) {
     const auto result =
         bench(with({"record", "--iq", "--out", "lossy" + fault, "--board", "sim,faults=" + fault},
-                   {kSmallScan}),
-              folder);
+                   {kSmallScan}));
     EXPECT_EQ(result.exit_code, fault.starts_with("unplug") ? 1 : 0) << result.err;
-    const auto report = Json::parse(at(folder, "lossy" + fault + "/report.json"));
+    const auto report = json_of("lossy" + fault + "/report.json");
     EXPECT_LT(report.at("board").at("delivered"), 9 * 16);
-    EXPECT_TRUE(at(folder, "lossy" + fault + "/iq.npy") == whole) << fault;
+    EXPECT_TRUE(bytes_of(at("lossy" + fault + "/iq.npy")) == whole) << fault;
   }
 }
 
 /// A volume has 1.2 MB of IQ samples, and 0.08 MB of the recording.
-TEST(RecordIq, OfAFullDiskTheRecordingIsKept) {
-  const ScratchFolder folder;
-  const auto result = bench(with({"record", "--iq"}, {kSmallScan, kTwoVolumes}),
-                            folder,
-                            {.file_bytes = 1800000, .no_cache = true});
-  EXPECT_EQ(result.exit_code, 1);
-  EXPECT_NE(result.err.find("iq.npy: cannot be written: File too large; "), std::string::npos)
-      << result.err;
-  EXPECT_NE(result.err.find("out/recording.wbst.partial holds 1 whole volumes"), std::string::npos)
-      << result.err;
-  EXPECT_EQ(folder.files("out"), Words{"recording.wbst.partial"});
-  const auto none = bench(with({"record", "--iq", "--out", "none"}, {kSmallScan}),
-                          folder,
-                          {.file_bytes = 500000, .no_cache = true});
-  EXPECT_EQ(none.exit_code, 1);
-  EXPECT_NE(none.err.find("iq.npy: cannot be written: File too large; nothing is recorded"),
-            std::string::npos)
-      << none.err;
-  EXPECT_TRUE(folder.files("none").empty());
+TEST_F(RecordIq, OfAFullDiskTheRecordingIsKept) {
+  const auto result =
+      bench("record --iq", {kSmallScan, kTwoVolumes}, {.file_bytes = 1800000, .no_cache = true});
+  expect_line(result, 1, "iq.npy: cannot be written: File too large; ");
+  EXPECT_TRUE(holds(result.err, "out/recording.wbst.partial holds 1 whole volumes"));
+  EXPECT_EQ(folder_.files("out"), Words{"recording.wbst.partial"});
+  const auto none =
+      bench("record --iq --out none", {kSmallScan}, {.file_bytes = 500000, .no_cache = true});
+  expect_line(none, 1, "iq.npy: cannot be written: File too large; nothing is recorded");
+  EXPECT_TRUE(folder_.files("none").empty());
 }
 
-struct Refused {
-  std::string name;
-  Words arguments;
-  std::string message;
-};
-
-class RecordIqRefuses : public testing::TestWithParam<Refused> {};
-
-TEST_P(RecordIqRefuses, InOneLine) {
-  const ScratchFolder folder;
-  fs::create_directory(folder.path() / "there");
-  folder.write("there/iq.npy", "old");
-  ASSERT_EQ(bench(with({"record", "--out", "rec"}, {kSmallScan}), folder).exit_code, 0);
-  const auto result = bench(with({"record"}, {GetParam().arguments}), folder);
-  EXPECT_EQ(result.exit_code, 2);
-  EXPECT_NE(result.err.find(GetParam().message), std::string::npos) << result.err;
-  EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1) << result.err;
-  EXPECT_FALSE(fs::exists(folder.path() / "out"));
-  EXPECT_EQ(folder.files("there"), Words{"iq.npy"});
+TEST_F(RecordIq, IsRefusedInOneLine) {
+  fs::create_directory(at("there"));
+  folder_.write("there/iq.npy", "old");
+  ASSERT_EQ(bench("record --out rec", {kSmallScan}).exit_code, 0);
+  expect_refusals(
+      {{"record --iq --set simulation.fidelity=geometry",
+        "--iq: needs the rung field or higher; the rung is geometry, which makes no IQ"},
+       {"record --iq --board file=rec/recording.wbst",
+        "--iq: needs --board sim; --board = file=rec/recording.wbst sends detected"},
+       {"record --iq --board xdma=/dev/none", "--iq: needs --board sim"},
+       {"record --out there --replace",
+        "--out = there: holds iq.npy of another recording; must be a folder without one"},
+       {"record --out there --iq", "--out = there: holds iq.npy of another recording"}});
+  EXPECT_EQ(folder_.files("there"), Words{"iq.npy"});
 }
-
-INSTANTIATE_TEST_SUITE_P(
-    Each,
-    RecordIqRefuses,
-    testing::Values(
-        Refused{"geometry",
-                {"--iq", "--set", "simulation.fidelity=geometry"},
-                "--iq: needs the rung field or higher; the rung is geometry, which makes no IQ"},
-        Refused{"recording",
-                {"--iq", "--board", "file=rec/recording.wbst"},
-                "--iq: needs --board sim; --board = file=rec/recording.wbst sends detected"},
-        Refused{"card", {"--iq", "--board", "xdma=/dev/none"}, "--iq: needs --board sim"},
-        Refused{"of_another_recording",
-                {"--out", "there", "--replace"},
-                "--out = there: holds iq.npy of another recording; must be a folder without one"},
-        Refused{"without_replace",
-                {"--out", "there", "--iq"},
-                "--out = there: holds iq.npy of another recording"}),
-    [](const auto& refused) { return refused.param.name; });
 
 }  // namespace
 }  // namespace wobblebench::bench

@@ -13,22 +13,12 @@ namespace {
 
 using Json = nlohmann::json;
 
-const Words kRecord = with({"record", "--json", "--out", "rec"}, {kSphere, kScan});
+const Words kRecord = with(words_of("record --json --out rec"), {kSphere, kScan});
 const Words kPlay =
-    with({"run", "--json", "--board", "file=rec/recording.wbst"}, {kSphere, kPicture});
-
-Words set(const std::string& setting) {
-  return {"--set", setting};
-}
-
-Json report_of(const ProcessResult& result) {
-  EXPECT_EQ(result.exit_code, 0) << result.err;
-  return Json::parse(result.out, nullptr, /*allow_exceptions=*/false);
-}
+    with(words_of("run --json --board file=rec/recording.wbst"), {kSphere, kPicture});
 
 TEST(RecordReport, NamesRungReasonAndEffectsAsRunDoes) {
-  const Words moving =
-      with(set("motion.velocity_mm_s=[0, 0, 1]"), {set("simulation.noise_db=-150")});
+  const Words moving = with(set("motion.velocity_mm_s=[0,0,1]"), {set("simulation.noise_db=-150")});
   for (const Words& scene : {Words{}, moving}) {
     const ScratchFolder folder;
     const Json record = report_of(bench(with(kRecord, {scene}), folder));
@@ -40,8 +30,8 @@ TEST(RecordReport, NamesRungReasonAndEffectsAsRunDoes) {
       EXPECT_EQ(record.at("simulation").at(key), run.at("simulation").at(key)) << key;
     }
     EXPECT_EQ(record.at("simulation").at("rung"), scene.empty() ? "field" : "scatterers");
-    const Json copy = report_of(
-        bench({"record", "--json", "--board", "file=rec/recording.wbst", "--out", "b"}, folder));
+    const Json copy =
+        report_of(bench(words_of("record --json --board file=rec/recording.wbst --out b"), folder));
     EXPECT_TRUE(copy.at("simulation").is_null());
     EXPECT_TRUE(copy.at("effects").empty());
   }
@@ -50,14 +40,14 @@ TEST(RecordReport, NamesRungReasonAndEffectsAsRunDoes) {
 const Json kScale = {{"full_scale_db", -20}, {"dynamic_range_db", 50}, {"tgc_db_per_cm_mhz", 0.4}};
 
 /// rec/recording.wbst with the scale kScale.
-class WithScale : public testing::Test {
+class WithScale : public InFolder {
  protected:
   void record(const Words& more = {}) {
     Words words = with(kRecord, {more});
     for (const auto& [key, value] : kScale.items()) {
       words = with(words, {set("simulation." + key + "=" + value.dump())});
     }
-    EXPECT_EQ(report_of(bench(words, folder_)).at("recording").at("display_scale"), kScale);
+    EXPECT_EQ(report_of(bench(words)).at("recording").at("display_scale"), kScale);
   }
 
   void expect_scale_of_scene(const Json& report, const Json& scale) {
@@ -66,28 +56,23 @@ class WithScale : public testing::Test {
           << key;
     }
   }
-
-  ScratchFolder folder_;
 };
 
 TEST_F(WithScale, InspectPrintsIt) {
   record();
-  const auto summary = bench({"inspect", "rec/recording.wbst"}, folder_);
-  EXPECT_NE(
-      summary.out.find("scale       full scale -20 dB, dynamic range 50 dB, TGC 0.4 dB/cm/MHz\n"),
-      std::string::npos)
-      << summary.out;
-  const Json report = report_of(bench({"inspect", "rec/recording.wbst", "--json"}, folder_));
+  const auto summary = bench("inspect rec/recording.wbst");
+  EXPECT_TRUE(holds(summary.out,
+                    "scale       full scale -20 dB, dynamic range 50 dB, TGC 0.4 dB/cm/MHz\n"));
+  const Json report = report_of(bench("inspect rec/recording.wbst --json"));
   EXPECT_EQ(report.at("recording").at("display_scale"), kScale);
 }
 
 TEST_F(WithScale, RunReportsTheRecordingsAndNotItsOwn) {
   record();
-  const Json report = report_of(bench(with(kPlay, {set("simulation.full_scale_db=-5")}), folder_));
+  const Json report = report_of(bench(with(kPlay, {set("simulation.full_scale_db=-5")})));
   EXPECT_EQ(report.at("board").at("display_scale"), kScale);
   expect_scale_of_scene(report, kScale);
-  const Json copy = report_of(
-      bench({"record", "--json", "--board", "file=rec/recording.wbst", "--out", "b"}, folder_));
+  const Json copy = report_of(bench("record --json --board file=rec/recording.wbst --out b"));
   EXPECT_EQ(copy.at("recording").at("display_scale"), kScale);
   expect_scale_of_scene(copy, kScale);
 }
@@ -95,7 +80,7 @@ TEST_F(WithScale, RunReportsTheRecordingsAndNotItsOwn) {
 TEST_F(WithScale, LinearEnvelopesAreDisplayedOverItUnlessTheSceneChooses) {
   record(set("simulation.output=linear"));
   const auto displayed_over_db = [&](const Words& more) {
-    const Json report = report_of(bench(with(kPlay, {more}), folder_));
+    const Json report = report_of(bench(with(kPlay, {more})));
     return report.at("board").at("samples").at("log_compressed_over_db").get<double>();
   };
   EXPECT_EQ(displayed_over_db({}), 50);
@@ -126,12 +111,10 @@ std::string without_scale(const std::string& recording) {
 
 TEST_F(WithScale, WithoutOneItIsUnknown) {
   record();
-  folder_.write("card.wbst", without_scale(bytes_of(folder_.path() / "rec/recording.wbst")));
-  const auto summary = bench({"inspect", "card.wbst"}, folder_);
-  EXPECT_NE(summary.out.find("scale       unknown: the samples do not say\n"), std::string::npos)
-      << summary.out;
-  const auto run =
-      bench(with({"run", "--json", "--board", "file=card.wbst"}, {kSphere, kPicture}), folder_);
+  folder_.write("card.wbst", without_scale(bytes_of(at("rec/recording.wbst"))));
+  const auto summary = bench("inspect card.wbst");
+  EXPECT_TRUE(holds(summary.out, "scale       unknown: the samples do not say\n"));
+  const auto run = bench("run --json --board file=card.wbst", {kSphere, kPicture});
   EXPECT_TRUE(report_of(run).at("board").at("display_scale").is_null());
   expect_scale_of_scene(report_of(run), nullptr);
 }

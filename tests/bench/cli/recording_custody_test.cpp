@@ -1,7 +1,6 @@
 // Documented commands destroy no recording: by running the program.
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <array>
 #include <csignal>
 #include <filesystem>
@@ -13,25 +12,11 @@ namespace wobblebench::bench {
 namespace {
 
 /// A folder with rec/recording.wbst of two volumes.
-class Custody : public testing::Test {
+class Custody : public InFolder {
  protected:
   void SetUp() override {
-    const auto result = bench(with({"record", "--volumes", "2", "--out", "rec"}, {kSphere, kScan}));
-    ASSERT_EQ(result.exit_code, 0) << result.err;
+    fs::copy(recorded(2), at("rec"));
     bytes_ = bytes_of(at("rec/recording.wbst"));
-  }
-
-  fs::path at(const std::string& name) const { return folder_.path() / name; }
-
-  ProcessResult bench(const Words& arguments, const ProcessLimits& limits = {}) const {
-    return run_process(WOBBLEBENCH_PROGRAM, arguments, folder_.path(), limits);
-  }
-
-  /// One line and exit code 2, with this text.
-  void expect_refused(const ProcessResult& result, const std::string& text) const {
-    EXPECT_EQ(result.exit_code, 2);
-    EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1) << result.err;
-    EXPECT_NE(result.err.find(text), std::string::npos) << result.err;
   }
 
   /// Waits until a recording in that folder has so many bytes.
@@ -48,29 +33,24 @@ class Custody : public testing::Test {
     ProcessLimits limits;
     limits.signal = SIGKILL;
     limits.interrupt_when = partial_has("out", 100000);
-    ASSERT_EQ(bench({"record",
-                     "--board",
-                     "file=rec/recording.wbst,loop=true,pace=realtime",
-                     "--out",
-                     "out"},
-                    limits)
-                  .exit_code,
-              128 + SIGKILL);
+    ASSERT_EQ(
+        bench(
+            "record --board file=rec/recording.wbst,loop=true,pace=realtime --out out", {}, limits)
+            .exit_code,
+        128 + SIGKILL);
   }
 
-  ScratchFolder folder_;
   std::string bytes_;
 };
 
 TEST_F(Custody, SalvageUnderTheFinalNameKeepsItsSource) {
   kill_a_recording();
   const std::string partial = bytes_of(at("out/recording.wbst.partial"));
-  const Words salvage = {
-      "inspect", "out/recording.wbst.partial", "--salvage", "out/recording.wbst"};
+  const Words salvage = words_of("inspect out/recording.wbst.partial --salvage out/recording.wbst");
   EXPECT_LE(bench(salvage).exit_code, 1);
   EXPECT_EQ(bytes_of(at("out/recording.wbst.partial")), partial);
-  EXPECT_EQ(folder_.files("out"), (Words{"recording.wbst", "recording.wbst.partial"}));
-  EXPECT_EQ(bench({"inspect", "out/recording.wbst"}).exit_code, 0);
+  EXPECT_EQ(folder_.files("out"), words_of("recording.wbst recording.wbst.partial"));
+  EXPECT_EQ(bench("inspect out/recording.wbst").exit_code, 0);
   expect_refused(bench(salvage), "out/recording.wbst: exists; must be a new file");
 }
 
@@ -89,17 +69,17 @@ TEST_F(Custody, AnUnfinishedRecordingIsNeverReplaced) {
   kill_a_recording();
   const std::string partial = bytes_of(at("out/recording.wbst.partial"));
   for (const char* replace : {"", "--replace"}) {
-    Words record = {"record", "--board", "file=rec/recording.wbst", "--out", "out"};
+    Words record = words_of("record --board file=rec/recording.wbst --out out");
     if (*replace != 0) record.emplace_back(replace);
     expect_refused(bench(record), "--out = out: holds a recording that was not finished");
   }
-  expect_refused(bench({"record", "--board", "file=out/recording.wbst.partial", "--out", "out"}),
+  expect_refused(bench("record --board file=out/recording.wbst.partial --out out"),
                  "--out = out: holds a recording that was not finished");
   EXPECT_EQ(bytes_of(at("out/recording.wbst.partial")), partial);
 }
 
 TEST_F(Custody, ARecordingIsReplacedOnlyWhenAskedForAndByAnother) {
-  const Words record = {"record", "--board", "file=rec/recording.wbst", "--out", "rec"};
+  const Words record = words_of("record --board file=rec/recording.wbst --out rec");
   expect_refused(bench(record),
                  "--out = rec: holds recording.wbst; must be a folder without one, "
                  "unless --replace is given");
@@ -108,23 +88,16 @@ TEST_F(Custody, ARecordingIsReplacedOnlyWhenAskedForAndByAnother) {
   expect_refused(bench(onto_itself), "--out = rec: its recording.wbst is read by this command");
   EXPECT_EQ(bytes_of(at("rec/recording.wbst")), bytes_);
   fs::copy(at("rec"), at("other"));
-  const Words replace = {"record",
-                         "--board",
-                         "file=rec/recording.wbst",
-                         "--volumes",
-                         "1",
-                         "--out",
-                         "other",
-                         "--replace"};
+  const Words replace =
+      words_of("record --board file=rec/recording.wbst --volumes 1 --out other --replace");
   EXPECT_EQ(bench(replace).exit_code, 0);
   EXPECT_EQ(bytes_of(at("other/recording.wbst")), bytes_.substr(0, bytes_.size() / 2));
 }
 
 TEST_F(Custody, OfABoardThatSendsNothingNothingIsKept) {
-  const auto result = bench(
-      {"record", "--board", "file=rec/recording.wbst,faults=unplug@0", "--out", "new/folder"});
-  EXPECT_EQ(result.exit_code, 1);
-  EXPECT_NE(result.err.find("nothing is recorded"), std::string::npos) << result.err;
+  expect_line(bench("record --board file=rec/recording.wbst,faults=unplug@0 --out new/folder"),
+              1,
+              "nothing is recorded");
   EXPECT_FALSE(fs::exists(at("new")));
 }
 
@@ -135,18 +108,17 @@ TEST_F(Custody, StoppedAtAnyMomentTheRecordingIsUndamaged) {
     limits.signal = std::array{SIGINT, SIGTERM, SIGHUP}[static_cast<std::size_t>(i % 3)];
     limits.interrupt_when = partial_has("out", 20000 + 7777 * static_cast<std::uintmax_t>(i));
     const auto stopped = bench(
-        {"record", "--board", "file=rec/recording.wbst,loop=true,pace=realtime", "--out", "out"},
-        limits);
+        "record --board file=rec/recording.wbst,loop=true,pace=realtime --out out", {}, limits);
     EXPECT_EQ(stopped.exit_code, 0) << stopped.err;
-    const auto inspected = bench({"inspect", "out/recording.wbst"});
+    const auto inspected = bench("inspect out/recording.wbst");
     EXPECT_EQ(inspected.exit_code, 0) << inspected.out;
   }
 }
 
 TEST_F(Custody, UnpluggedWithinAPacketTheRecordingIsUndamaged) {
   folder_.write("cut.wbst", bytes_.substr(0, bytes_.size() - 100));
-  EXPECT_EQ(bench({"record", "--board", "file=cut.wbst", "--out", "out"}).exit_code, 0);
-  EXPECT_EQ(bench({"inspect", "out/recording.wbst"}).exit_code, 0);
+  EXPECT_EQ(bench("record --board file=cut.wbst --out out").exit_code, 0);
+  EXPECT_EQ(bench("inspect out/recording.wbst").exit_code, 0);
 }
 
 TEST_F(Custody, AFolderTakesOneCommandAtATime) {
@@ -155,20 +127,19 @@ TEST_F(Custody, AFolderTakesOneCommandAtATime) {
   limits.interrupt_when = [&, started = false]() mutable {
     if (!started && partial_has("out", 10000)()) {
       started = true;
-      second = bench({"record", "--board", "file=rec/recording.wbst", "--out", "out"});
+      second = bench("record --board file=rec/recording.wbst --out out");
     }
     return started;
   };
-  const auto first = bench(
-      {"record", "--board", "file=rec/recording.wbst,loop=true,pace=realtime", "--out", "out"},
-      limits);
+  const auto first =
+      bench("record --board file=rec/recording.wbst,loop=true,pace=realtime --out out", {}, limits);
   EXPECT_EQ(first.exit_code, 0) << first.err;
   expect_refused(second,
                  "--out = out: is in use by another command; must be a folder that no other "
                  "command writes to");
-  EXPECT_EQ(bench({"inspect", "out/recording.wbst"}).exit_code, 0);
+  EXPECT_EQ(bench("inspect out/recording.wbst").exit_code, 0);
   EXPECT_EQ(folder_.files("out"),
-            (Words{"recording.json", "recording.wbst", "report.html", "report.json"}));
+            words_of("recording.json recording.wbst report.html report.json"));
 }
 
 TEST_F(Custody, WithStandardStreamsClosedNoTextGetsIntoTheRecording) {
@@ -176,8 +147,7 @@ TEST_F(Custody, WithStandardStreamsClosedNoTextGetsIntoTheRecording) {
     fs::remove_all(at("out"));
     ProcessLimits limits;
     limits.closed = closed;
-    static_cast<void>(
-        bench({"record", "--board", "file=rec/recording.wbst", "--out", "out"}, limits));
+    static_cast<void>(bench("record --board file=rec/recording.wbst --out out", {}, limits));
     EXPECT_EQ(bytes_of(at("out/recording.wbst")), bytes_) << closed.size();
   }
 }
@@ -186,7 +156,7 @@ TEST_F(Custody, ALinkUnderThePartialNameIsNotFollowed) {
   fs::create_directory(at("out"));
   folder_.write("victim", "text");
   fs::create_symlink(at("victim"), at("out/recording.wbst.partial"));
-  expect_refused(bench({"record", "--board", "file=rec/recording.wbst", "--out", "out"}),
+  expect_refused(bench("record --board file=rec/recording.wbst --out out"),
                  "--out = out: holds a recording that was not finished");
   EXPECT_EQ(bytes_of(at("victim")), "text");
 }
@@ -198,11 +168,9 @@ TEST_F(Custody, APartialWithoutAStickIsNoDeadEnd) {
     fs::remove_all(at("out"));
     fs::create_directory(at("out"));
     folder_.write("out/recording.wbst.partial", bytes_.substr(0, bytes));
-    const auto result = bench({"record", "--board", "file=rec/recording.wbst", "--out", "out"});
-    EXPECT_EQ(result.exit_code, 0) << bytes << ": " << result.err;
-    EXPECT_NE(result.err.find("out/recording.wbst.partial of a killed command held no stick"),
-              std::string::npos)
-        << result.err;
+    expect_line(bench("record --board file=rec/recording.wbst --out out"),
+                0,
+                "out/recording.wbst.partial of a killed command held no stick");
     EXPECT_EQ(bytes_of(at("out/recording.wbst")), bytes_);
     EXPECT_FALSE(fs::exists(at("out/recording.wbst.partial")));
   }
@@ -216,7 +184,7 @@ TEST_F(Custody, APartialOfWhichLittleIsKnownStays) {
     fs::remove_all(at("out"));
     fs::create_directory(at("out"));
     folder_.write("out/recording.wbst.partial", bytes);
-    expect_refused(bench({"record", "--board", "file=rec/recording.wbst", "--out", "out"}),
+    expect_refused(bench("record --board file=rec/recording.wbst --out out"),
                    "--out = out: holds a recording that was not finished");
     EXPECT_EQ(bytes_of(at("out/recording.wbst.partial")), bytes);
   }
@@ -225,8 +193,8 @@ TEST_F(Custody, APartialOfWhichLittleIsKnownStays) {
 /// The scene of a recording is known after other commands have filled its folder, too.
 TEST_F(Custody, TheReportOfARecordingOutlivesOtherCommands) {
   const std::string report = bytes_of(at("rec/recording.json"));
-  EXPECT_NE(report.find("\"command\": \"record\""), std::string::npos);
-  ASSERT_EQ(bench(with({"phantom", "--out", "rec"}, {kSphere})).exit_code, 0);
+  EXPECT_TRUE(holds(report, "\"command\": \"record\""));
+  ASSERT_EQ(bench("phantom --out rec", {kSphere}).exit_code, 0);
   EXPECT_EQ(bytes_of(at("rec/recording.json")), report);
   EXPECT_EQ(bytes_of(at("rec/recording.wbst")), bytes_);
 }

@@ -20,15 +20,7 @@ namespace {
 using Json = nlohmann::json;
 using Law = std::function<double(double planned_rad)>;
 
-const Words kPlayed = {"run", "--board", "file=scan.wbst"};
-
-Words set(const std::string& setting) {
-  return {"--set", setting};
-}
-
-Json report_in(const ScratchFolder& folder) {
-  return Json::parse(std::ifstream(folder.path() / "out/report.json"));
-}
+const Words kPlayed = words_of("run --board file=scan.wbst");
 
 /// A volume of dark and bright samples from hardware; the motor angle of a stick is `law` of the
 /// plan's.
@@ -67,55 +59,49 @@ int warnings(const ProcessResult& result, const std::string& words) {
   return count;
 }
 
-TEST(MotorAngles, ThatLeaveThePlanAreSaidWithMaximumAndRms) {
-  const ScratchFolder folder;
+using RunOnAScan = InFolder;
+
+TEST_F(RunOnAScan, MotorAnglesThatLeaveThePlanAreSaidWithMaximumAndRms) {
   // 1 degree off: the RMS is 1 degree, too.
-  write_scan(folder, [](double planned_rad) { return planned_rad + kDegree; });
-  const auto result = bench(with(kPlayed, {kPicture}), folder);
+  write_scan(folder_, [](double planned_rad) { return planned_rad + kDegree; });
+  const auto result = bench(with(kPlayed, {kPicture}));
   EXPECT_EQ(result.exit_code, 0) << result.err;
   EXPECT_EQ(warnings(result, "motor angles leave the plan by at most 1 deg (RMS 1 deg)"), 1)
       << result.err;
-  const Json report = report_in(folder);
+  const Json report = json_of("out/report.json");
   EXPECT_NEAR(report.at("acquisition").at("motor_angles").at("off_plan_max_deg"), 1, 1e-6);
   EXPECT_NEAR(report.at("acquisition").at("motor_angles").at("off_plan_rms_deg"), 1, 1e-6);
   EXPECT_NEAR(report.at("acquisition").at("motor_angles").at("greatest_deg"), 31.5, 1e-6);
-  EXPECT_NE(report.at("warnings").dump().find("motor angles"), std::string::npos);
-  const auto inspected = bench({"inspect", "scan.wbst"}, folder);
-  EXPECT_NE(inspected.out.find("motor       angles leave the plan by at most 1 deg (RMS 1 deg)"),
-            std::string::npos)
-      << inspected.out;
+  EXPECT_TRUE(holds(report.at("warnings").dump(), "motor angles"));
+  const auto inspected = bench("inspect scan.wbst");
+  EXPECT_TRUE(
+      holds(inspected.out, "motor       angles leave the plan by at most 1 deg (RMS 1 deg)"));
 }
 
-TEST(MotorAngles, ThatKeepToThePlanAreNotSpokenOf) {
-  const ScratchFolder folder;
-  write_scan(folder, [](double planned_rad) { return double{static_cast<float>(planned_rad)}; });
-  const auto result = bench(with(kPlayed, {kPicture}), folder);
+TEST_F(RunOnAScan, MotorAnglesThatKeepToThePlanAreNotSpokenOf) {
+  write_scan(folder_, [](double planned_rad) { return double{static_cast<float>(planned_rad)}; });
+  const auto result = bench(with(kPlayed, {kPicture}));
   EXPECT_EQ(result.exit_code, 0) << result.err;
   EXPECT_EQ(warnings(result, "motor"), 0) << result.err;
-  EXPECT_EQ(bench({"inspect", "scan.wbst"}, folder).out.find("motor "), std::string::npos);
+  EXPECT_FALSE(holds(bench("inspect scan.wbst").out, "motor "));
 }
 
-TEST(MotorAngles, OutsideTheFanAreRefused) {
-  const ScratchFolder folder;
-  write_scan(folder, [](double planned_rad) { return planned_rad + 70 * kDegree; });
+TEST_F(RunOnAScan, MotorAnglesOutsideTheFanAreRefused) {
+  write_scan(folder_, [](double planned_rad) { return planned_rad + 70 * kDegree; });
   for (const char* command : {"run", "stream"}) {
     Words words = kPlayed;
     words.front() = command;
-    const auto result = bench(with(words, {kPicture}), folder);
-    EXPECT_EQ(result.exit_code, 2) << result.err;
-    EXPECT_NE(result.err.find("--board = file=scan.wbst: its motor angles go from 39.5 to 100"),
-              std::string::npos)
-        << result.err;
+    expect_line(bench(with(words, {kPicture})),
+                2,
+                "--board = file=scan.wbst: its motor angles go from 39.5 to 100");
   }
 }
 
-TEST(IncidenceCorrection, ForAnotherReceiverOrHardwareIsSaidUnlessItIsGiven) {
-  const ScratchFolder folder;
+TEST_F(RunOnAScan, TheIncidenceCorrectionForAnotherReceiverOrHardwareIsSaidUnlessItIsGiven) {
   const std::string words =
       "render.ray_casting.incidence_correction_mm = auto takes the width of the beam";
   const auto warned = [&](const std::vector<Words>& settings) {
-    const auto result =
-        bench(with({"run"}, {kSphere, kScan, kPicture, with({}, settings)}), folder);
+    const auto result = bench("run", {kSphere, kScan, kPicture, with({}, settings)});
     EXPECT_EQ(result.exit_code, 0) << result.err;
     return warnings(result, words);
   };
@@ -126,28 +112,29 @@ TEST(IncidenceCorrection, ForAnotherReceiverOrHardwareIsSaidUnlessItIsGiven) {
   EXPECT_EQ(warned({other_receiver, set("render.preset=baseline")}), 0);
   EXPECT_EQ(warned({other_receiver, set("render.ray_casting.incidence_correction_mm=1.2")}), 0);
   EXPECT_EQ(warned({set("simulation.fidelity=geometry")}), 0);
-  EXPECT_EQ(
-      report_in(folder).at("scene").at("render").at("ray_casting").at("incidence_correction_mm"),
-      0);
-  write_scan(folder, [](double planned_rad) { return planned_rad; });
-  EXPECT_EQ(warnings(bench(with(kPlayed, {kPicture}), folder), words), 1);
-  EXPECT_NE(report_in(folder).at("warnings").dump().find(words), std::string::npos);
+  EXPECT_EQ(json_of("out/report.json")
+                .at("scene")
+                .at("render")
+                .at("ray_casting")
+                .at("incidence_correction_mm"),
+            0);
+  write_scan(folder_, [](double planned_rad) { return planned_rad; });
+  EXPECT_EQ(warnings(bench(with(kPlayed, {kPicture})), words), 1);
+  EXPECT_TRUE(holds(json_of("out/report.json").at("warnings").dump(), words));
 }
 
-TEST(OneFrame, IsSaidToFillItsFan) {
-  const ScratchFolder folder;
+TEST_F(RunOnAScan, OneFrameIsSaidToFillItsFan) {
   write_scan(
-      folder, [](double planned_rad) { return planned_rad; }, 1);
-  EXPECT_EQ(warnings(bench(with(kPlayed, {kPicture}), folder),
+      folder_, [](double planned_rad) { return planned_rad; }, 1);
+  EXPECT_EQ(warnings(bench(with(kPlayed, {kPicture})),
                      "acquisition.frames_per_volume = 1: the picture shows the one plane all over "
                      "the fan of 61 deg"),
             1);
 }
 
-TEST(Caps, AreSaidToBeNoPartOfTheTruth) {
-  const ScratchFolder folder;
+TEST_F(RunOnAScan, CapsAreSaidToBeNoPartOfTheTruth) {
   const auto said = [&](const Words& settings) {
-    return warnings(bench(with({"run"}, {kSphere, kScan, kPicture, settings}), folder),
+    return warnings(bench("run", {kSphere, kScan, kPicture, settings}),
                     "render.ray_casting.caps = true: the truth has no caps");
   };
   const Words caps = set("render.ray_casting.caps=true");
@@ -182,21 +169,18 @@ double p95(std::vector<double> values) {
 }
 
 /// As docs/output.md computes them.
-TEST(FilesOfRun, GiveTheFiguresOfTheReport) {
-  const ScratchFolder folder;
+TEST_F(RunOnAScan, FilesGiveTheFiguresOfTheReport) {
   // Seen askew, with a wide box, a short fan and a low threshold: pixels of every reason.
-  const auto result = bench(with({"run"},
-                                 {kSphere,
-                                  kScan,
-                                  kPicture,
-                                  set("acquisition.fan_deg=14"),
-                                  set("render.view.pitch_deg=50"),
-                                  set("render.ray_casting.iso_level=0.4")}),
-                            folder);
+  const auto result = bench(
+      "run",
+      {kSphere,
+       kScan,
+       kPicture,
+       set("acquisition.fan_deg=14 render.view.pitch_deg=50 render.ray_casting.iso_level=0.4")});
   ASSERT_EQ(result.exit_code, 0) << result.err;
-  const Json error = report_in(folder).at("error");
-  const auto found = channels_of(folder.path() / "out/depth.exr").at("Z");
-  const auto truth = channels_of(folder.path() / "out/truth_depth.exr");
+  const Json error = json_of("out/report.json").at("error");
+  const auto found = channels_of(at("out/depth.exr")).at("Z");
+  const auto truth = channels_of(at("out/truth_depth.exr"));
   const auto& reason = truth.at("truth_reason");
   const auto& crossing = truth.at("Z_crossing");
   std::vector<double> errors;

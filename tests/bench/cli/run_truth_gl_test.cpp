@@ -20,11 +20,7 @@ namespace {
 
 using Json = nlohmann::json;
 
-const Words kPlayed = {"run", "--json", "--board", "file=rec/recording.wbst"};
-
-Words set(const std::string& setting) {
-  return {"--set", setting};
-}
+const Words kPlayed = words_of("run --json --board file=rec/recording.wbst");
 
 /// The last line of stderr, beginning with the program's name; what was done before is progress.
 void expect_refusal(const ProcessResult& result, const std::string& words) {
@@ -37,47 +33,34 @@ void expect_refusal(const ProcessResult& result, const std::string& words) {
       << result.err;
 }
 
-Json report_of(const ProcessResult& result) {
-  EXPECT_EQ(result.exit_code, 0) << result.err;
-  return Json::parse(result.out, nullptr, /*allow_exceptions=*/false);
-}
-
-class RecordedSphere : public testing::Test {
+class RecordedSphere : public InFolder {
  protected:
-  void SetUp() override {
-    const auto result = bench(with({"record", "--out", "rec"}, {kSphere, kScan}), folder_);
-    ASSERT_EQ(result.exit_code, 0) << result.err;
-  }
-  ProcessResult play(const std::vector<Words>& settings) {
-    return bench(with(kPlayed, settings), folder_);
-  }
-
-  ScratchFolder folder_;
+  void SetUp() override { fs::copy(recorded(1), at("rec")); }
+  ProcessResult play(const std::vector<Words>& settings) { return bench(with(kPlayed, settings)); }
 };
 
 TEST_F(RecordedSphere, IsNotScoredAgainstTheDefaultFace) {
   expect_refusal(play({kPicture}), "the scene's [phantom] is not that of the recording");
-  EXPECT_FALSE(fs::exists(folder_.path() / "out/report.json"));
+  EXPECT_FALSE(fs::exists(at("out/report.json")));
 }
 
 TEST_F(RecordedSphere, IsNotScoredElsewhereOrInMotion) {
-  expect_refusal(play({kSphere, kPicture, set("placement.rotation_deg=[10, 0, 0]")}),
+  expect_refusal(play({kSphere, kPicture, set("placement.rotation_deg=[10,0,0]")}),
                  "the scene's [placement] is not");
-  expect_refusal(play({kSphere, kPicture, set("placement.position_mm=[1, 0, 110]")}),
+  expect_refusal(play({kSphere, kPicture, set("placement.position_mm=[1,0,110]")}),
                  "the scene's [placement] is not");
-  expect_refusal(play({kSphere, kPicture, set("motion.velocity_mm_s=[0, 0, 1]")}),
+  expect_refusal(play({kSphere, kPicture, set("motion.velocity_mm_s=[0,0,1]")}),
                  "the scene's [motion] is not");
 }
 
 TEST_F(RecordedSphere, IsScoredWhateverElseDiffers) {
-  const auto report = report_of(play({kSphere,
-                                      kPicture,
-                                      set("simulation.seed=5"),
-                                      set("render.view.yaw_deg=20"),
-                                      set("render.ray_casting.threshold=0.2")}));
+  const auto report = report_of(
+      play({kSphere,
+            kPicture,
+            set("simulation.seed=5 render.view.yaw_deg=20 render.ray_casting.threshold=0.2")}));
   EXPECT_EQ(report.at("truth"), "recorded scene");
   EXPECT_TRUE(report.at("provenance").at("seed").is_null()) << "not the recording's";
-  const auto live = report_of(bench(with({"run", "--json"}, {kSphere, kScan, kPicture}), folder_));
+  const auto live = report_of(bench("run --json", {kSphere, kScan, kPicture}));
   EXPECT_EQ(live.at("truth"), "simulated scene");
   EXPECT_EQ(live.at("provenance").at("seed"), 1);
 }
@@ -97,83 +80,74 @@ void remove_subject(const fs::path& path) {
 }
 
 TEST_F(RecordedSphere, WithoutASubjectItsTruthIsTakenOnTrust) {
-  remove_subject(folder_.path() / "rec/recording.wbst");
+  remove_subject(at("rec/recording.wbst"));
   EXPECT_EQ(report_of(play({kSphere, kPicture})).at("truth"), "scene, on trust");
-  const auto summary =
-      bench(with({"run", "--board", "file=rec/recording.wbst"}, {kSphere, kPicture}), folder_);
+  const auto summary = bench("run --board file=rec/recording.wbst", {kSphere, kPicture});
   EXPECT_EQ(summary.exit_code, 0) << summary.err;
-  EXPECT_NE(summary.out.find("taken from the scene on trust"), std::string::npos) << summary.out;
+  EXPECT_TRUE(holds(summary.out, "taken from the scene on trust"));
 }
 
-TEST(RunReport, NamesTheModeThatRendered) {
-  const ScratchFolder folder;
+using RunReport = InFolder;
+
+TEST_F(RunReport, NamesTheModeThatRendered) {
   for (const char* mode : {"fast", "plain"}) {
     const auto report = report_of(
-        bench(with({"run", "--json"},
-                   {kSphere, kScan, kPicture, set(std::string("render.pipeline.mode=") + mode)}),
-              folder));
+        bench("run --json",
+              {kSphere, kScan, kPicture, set(std::string("render.pipeline.mode=") + mode)}));
     EXPECT_EQ(report.at("render").at("mode"), mode);
   }
 }
 
-TEST(RunReport, WithoutASurfaceInViewHasNoFigures) {
-  const ScratchFolder folder;
+TEST_F(RunReport, WithoutASurfaceInViewHasNoFigures) {
   const std::vector<Words> nothing = {kSphere,
                                       kScan,
                                       kPicture,
-                                      set("render.volume_of_interest.center_mm=[0, 0, 60]"),
-                                      set("render.volume_of_interest.size_mm=[20, 20, 10]")};
-  const auto error = report_of(bench(with({"run", "--json"}, nothing), folder)).at("error");
+                                      set("render.volume_of_interest.center_mm=[0,0,60] "
+                                          "render.volume_of_interest.size_mm=[20,20,10]")};
+  const auto error = report_of(bench("run --json", nothing)).at("error");
   EXPECT_TRUE(error.at("missed_percent").is_null());
   EXPECT_TRUE(error.at("missed_surface_percent").is_null());
   EXPECT_TRUE(error.at("false_percent").is_null());
   EXPECT_TRUE(error.at("depth_mm").at("bias").is_null());
   EXPECT_EQ(error.at("surface_percent"), 0);
-  const auto summary = bench(with({"run"}, nothing), folder);
+  const auto summary = bench("run", nothing);
   EXPECT_EQ(summary.exit_code, 0);
-  EXPECT_NE(summary.out.find("no surface in view"), std::string::npos) << summary.out;
+  EXPECT_TRUE(holds(summary.out, "no surface in view"));
 }
 
 /// Point scatterers have no surface: what is found of their echoes is not false.
-TEST(RunReport, OfPointsHasNoFalseSurface) {
-  const ScratchFolder folder;
+TEST_F(RunReport, OfPointsHasNoFalseSurface) {
   const Words points = set("phantom.name=points");
-  const auto result = bench(with({"run"}, {points, kScan, kPicture}), folder);
+  const auto result = bench("run", {points, kScan, kPicture});
   ASSERT_EQ(result.exit_code, 0) << result.err;
-  EXPECT_NE(result.out.find("no surface in view: the phantom has no surface to detect\n"),
-            std::string::npos)
-      << result.out;
-  const Json error = Json::parse(std::ifstream(folder.path() / "out/report.json")).at("error");
+  EXPECT_TRUE(holds(result.out, "no surface in view: the phantom has no surface to detect\n"));
+  const Json error = json_of("out/report.json").at("error");
   EXPECT_GT(error.at("found_surface_cm2"), 0);
   EXPECT_TRUE(error.at("false_percent").is_null());
   EXPECT_TRUE(error.at("false_surface_percent").is_null());
 }
 
-TEST(RunReport, GivesMissedOfTheSurfaceBesideMissedOfThePicture) {
-  const ScratchFolder folder;
+TEST_F(RunReport, GivesMissedOfTheSurfaceBesideMissedOfThePicture) {
   // Nothing is found: all of the surface is missed, and less of the picture.
-  const auto error = report_of(bench(with({"run", "--json"},
-                                          {kSphere,
-                                           kScan,
-                                           kPicture,
-                                           set("render.preset=baseline"),
-                                           set("render.ray_casting.threshold=60")}),
-                                     folder))
-                         .at("error");
+  const auto error =
+      report_of(bench("run --json",
+                      {kSphere,
+                       kScan,
+                       kPicture,
+                       set("render.preset=baseline render.ray_casting.threshold=60")}))
+          .at("error");
   EXPECT_EQ(error.at("missed_surface_percent"), 100);
   EXPECT_EQ(error.at("missed_percent"), error.at("surface_percent"));
   EXPECT_LT(error.at("missed_percent").get<double>(), 90);
 }
 
 /// Log-compressed on arrival, live and from a recording.
-TEST(RunReport, RendersLinearEnvelopesAsTheirLogCompression) {
-  const ScratchFolder folder;
+TEST_F(RunReport, RendersLinearEnvelopesAsTheirLogCompression) {
   const Words linear = set("simulation.output=linear");
-  const auto log = report_of(bench(with({"run", "--json"}, {kSphere, kScan, kPicture}), folder));
-  const auto live =
-      report_of(bench(with({"run", "--json"}, {kSphere, kScan, kPicture, linear}), folder));
-  ASSERT_EQ(bench(with({"record", "--out", "rec"}, {kSphere, kScan, linear}), folder).exit_code, 0);
-  const auto played = report_of(bench(with(kPlayed, {kSphere, kPicture}), folder));
+  const auto log = report_of(bench("run --json", {kSphere, kScan, kPicture}));
+  const auto live = report_of(bench("run --json", {kSphere, kScan, kPicture, linear}));
+  ASSERT_EQ(bench("record --out rec", {kSphere, kScan, linear}).exit_code, 0);
+  const auto played = report_of(bench(with(kPlayed, {kSphere, kPicture})));
   for (const auto& report : {live, played}) {
     EXPECT_EQ(report.at("board").at("samples").at("scale"), "linear");
     EXPECT_EQ(report.at("board").at("samples").at("log_compressed_over_db"), 60);
@@ -206,35 +180,30 @@ void write_recording(const fs::path& path, hw::Stick stick, hw::StreamOrigin sou
              static_cast<std::streamsize>(bytes.size()));
 }
 
-TEST(RunSamples, OfAnotherScaleAreRefused) {
-  const ScratchFolder folder;
-  fs::create_directory(folder.path() / "rec");
+using RunSamples = InFolder;
+
+TEST_F(RunSamples, OfAnotherScaleAreRefused) {
+  fs::create_directory(at("rec"));
   hw::Stick stick;
   stick.samples.assign(64, 200.0f);
-  write_recording(folder.path() / "rec/recording.wbst", stick, hw::StreamOrigin::simulated);
-  const auto bytes = bench(with(kPlayed, {kSphere, kPicture}), folder);
-  EXPECT_EQ(bytes.exit_code, 2);
-  EXPECT_NE(bytes.err.find("its samples go from 200 to 200, 100 % of them out of range"),
-            std::string::npos)
-      << bytes.err;
+  write_recording(at("rec/recording.wbst"), stick, hw::StreamOrigin::simulated);
+  expect_line(bench(with(kPlayed, {kSphere, kPicture})),
+              2,
+              "its samples go from 200 to 200, 100 % of them out of range");
   stick.samples.assign(64, 0.5f);
   stick.scale = hw::SampleScale::linear_envelope;
-  write_recording(folder.path() / "rec/recording.wbst", stick, hw::StreamOrigin::hardware);
-  const auto linear = bench(with(kPlayed, {kSphere, kPicture}), folder);
-  EXPECT_EQ(linear.exit_code, 2);
-  EXPECT_NE(linear.err.find("linear envelopes of unknown full scale"), std::string::npos)
-      << linear.err;
+  write_recording(at("rec/recording.wbst"), stick, hw::StreamOrigin::hardware);
+  expect_line(
+      bench(with(kPlayed, {kSphere, kPicture})), 2, "linear envelopes of unknown full scale");
 }
 
-TEST(RunSamples, OutOfRangeAreNamedWithTheLeastAndTheMost) {
-  const ScratchFolder folder;
-  fs::create_directory(folder.path() / "rec");
+TEST_F(RunSamples, OutOfRangeAreNamedWithTheLeastAndTheMost) {
+  fs::create_directory(at("rec"));
   hw::Stick stick;
   stick.samples.assign(64, 0.25f);
-  write_recording(folder.path() / "rec/recording.wbst", stick, hw::StreamOrigin::simulated);
+  write_recording(at("rec/recording.wbst"), stick, hw::StreamOrigin::simulated);
   // One sample of one stick: of 9216, 0.01 %.
-  std::fstream file(folder.path() / "rec/recording.wbst",
-                    std::ios::in | std::ios::out | std::ios::binary);
+  std::fstream file(at("rec/recording.wbst"), std::ios::in | std::ios::out | std::ios::binary);
   std::string packet(64 + 256, '\0');
   file.seekg(kConfigurationBytes).read(packet.data(), static_cast<std::streamsize>(packet.size()));
   const float outlier = 3;
@@ -244,35 +213,33 @@ TEST(RunSamples, OutOfRangeAreNamedWithTheLeastAndTheMost) {
   for (int i = 0; i < 4; ++i) packet[60 + i] = static_cast<char>(crc >> (8 * i));
   file.seekp(kConfigurationBytes).write(packet.data(), static_cast<std::streamsize>(packet.size()));
   file.close();
-  const auto report = report_of(bench(with(kPlayed, {kSphere, kPicture}), folder));
+  const auto report = report_of(bench(with(kPlayed, {kSphere, kPicture})));
   EXPECT_EQ(report.at("board").at("samples").at("out_of_range"), 1);
   EXPECT_EQ(report.at("board").at("samples").at("most"), 3);
-  const auto summary =
-      bench(with({"run", "--board", "file=rec/recording.wbst"}, {kSphere, kPicture}), folder);
-  EXPECT_NE(summary.out.find("1 of 9216 out of range and clamped: they go from 0.25 to 3"),
-            std::string::npos)
-      << summary.out;
+  const auto summary = bench("run --board file=rec/recording.wbst", {kSphere, kPicture});
+  EXPECT_TRUE(holds(summary.out, "1 of 9216 out of range and clamped: they go from 0.25 to 3"));
 }
 
-/// Warnings of a run of the small sphere, one line each on stderr and in the report.
-std::vector<std::string> warnings_of(const Words& more, const ScratchFolder& folder) {
-  const auto result = bench(with({"run", "--json"}, {kSphere, kScan, kPicture, more}), folder);
-  EXPECT_EQ(result.exit_code, 0) << result.err;
-  const auto warnings = report_of(result).at("warnings").get<std::vector<std::string>>();
-  for (const std::string& warning : warnings) {
-    EXPECT_NE(result.err.find("wobblebench: warning: " + warning + "\n"), std::string::npos);
+class RunWarnings : public InFolder {
+ protected:
+  /// Warnings of a run of the small sphere, one line each on stderr and in the report.
+  std::vector<std::string> warnings_of(const Words& more) const {
+    const auto result = bench("run --json", {kSphere, kScan, kPicture, more});
+    const auto warnings = report_of(result).at("warnings").get<std::vector<std::string>>();
+    for (const std::string& warning : warnings) {
+      EXPECT_TRUE(holds(result.err, "wobblebench: warning: " + warning + "\n"));
+    }
+    return warnings;
   }
-  return warnings;
-}
+};
 
-TEST(RunWarnings, SayWhichStageLostTheSurface) {
-  const ScratchFolder folder;
+TEST_F(RunWarnings, SayWhichStageLostTheSurface) {
   const auto only = [&](const Words& more, const std::string& text) {
-    const auto warnings = warnings_of(more, folder);
+    const auto warnings = warnings_of(more);
     ASSERT_EQ(warnings.size(), 1U) << text;
-    EXPECT_NE(warnings.front().find(text), std::string::npos) << warnings.front();
+    EXPECT_TRUE(holds(warnings.front(), text));
   };
-  EXPECT_EQ(warnings_of({}, folder), std::vector<std::string>{});
+  EXPECT_EQ(warnings_of({}), std::vector<std::string>{});
   const std::string box = "render.volume_of_interest.center_mm=";
   only(set(box + "[0,0,900]"),
        "no stick passes render.volume_of_interest: it lies outside the scanned sector");
@@ -282,21 +249,18 @@ TEST(RunWarnings, SayWhichStageLostTheSurface) {
 }
 
 /// A threshold of 0 takes noise for a surface, in a box of fluid.
-TEST(RunWarnings, SayThatThePhantomHasNoSurfaceThere) {
-  const ScratchFolder folder;
-  const auto warnings = warnings_of(with(set("render.preset=baseline"),
-                                         {set("render.ray_casting.threshold=0"),
-                                          set("render.volume_of_interest.center_mm=[0,0,60]"),
-                                          set("render.volume_of_interest.size_mm=[40,40,24]")}),
-                                    folder);
+TEST_F(RunWarnings, SayThatThePhantomHasNoSurfaceThere) {
+  const auto warnings = warnings_of(
+      with(set("render.preset=baseline"),
+           {set("render.ray_casting.threshold=0 render.volume_of_interest.center_mm=[0,0,60] "
+                "render.volume_of_interest.size_mm=[40,40,24]")}));
   ASSERT_EQ(warnings.size(), 1U);
   EXPECT_EQ(warnings.front().find("the phantom has no surface in view"), 0U) << warnings.front();
 }
 
-TEST(RunReport, HoldsTheLevelsOfFluidAndTissue) {
-  const ScratchFolder folder;
+TEST_F(RunReport, HoldsTheLevelsOfFluidAndTissue) {
   const auto levels = [&](const Words& more) {
-    return report_of(bench(with({"run", "--json"}, {kSphere, kScan, kPicture, more}), folder))
+    return report_of(bench("run --json", {kSphere, kScan, kPicture, more}))
         .at("render")
         .at("levels");
   };
@@ -308,9 +272,8 @@ TEST(RunReport, HoldsTheLevelsOfFluidAndTissue) {
   EXPECT_TRUE(levels(set("render.preset=baseline")).is_null());
 }
 
-TEST(RunReport, TheSummarySaysWhatWasFitted) {
-  const ScratchFolder folder;
-  const auto result = bench(with({"run", "--register"}, {kSphere, kScan, kPicture}), folder);
+TEST_F(RunReport, TheSummarySaysWhatWasFitted) {
+  const auto result = bench("run --register", {kSphere, kScan, kPicture});
   ASSERT_EQ(result.exit_code, 0) << result.err;
   EXPECT_TRUE(std::regex_search(
       result.out, std::regex("\nregistered  \\d+ points, RMS distance .* mm before, .* mm after")))
@@ -321,20 +284,14 @@ TEST(RunReport, TheSummarySaysWhatWasFitted) {
       << result.out;
 }
 
-TEST(RunReport, ALengthThatIsTooLongForTheBoxIsRefusedByItsKey) {
-  const ScratchFolder folder;
+TEST_F(RunReport, ALengthThatIsTooLongForTheBoxIsRefusedByItsKey) {
   // 64 steps of the sphere's box are shorter than those of the default box.
-  const auto result = bench(with({"run"},
-                                 {kSphere,
-                                  kScan,
-                                  set("render.preset=baseline"),
-                                  set("render.ray_casting.buffer_length_mm=9.5")}),
-                            folder);
+  const auto result = bench(
+      "run",
+      {kSphere, kScan, set("render.preset=baseline render.ray_casting.buffer_length_mm=9.5")});
   EXPECT_EQ(result.exit_code, 2);
-  EXPECT_NE(
-      result.err.find("wobblebench: render.ray_casting.buffer_length_mm = 9.5: must be 2 to 64"),
-      std::string::npos)
-      << result.err;
+  EXPECT_TRUE(
+      holds(result.err, "wobblebench: render.ray_casting.buffer_length_mm = 9.5: must be 2 to 64"));
 }
 
 }  // namespace

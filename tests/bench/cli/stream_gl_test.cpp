@@ -9,7 +9,6 @@
 #include <cstring>
 #include <map>
 #include <nlohmann/json.hpp>
-#include <set>
 #include <sstream>
 #include <thread>
 
@@ -20,47 +19,19 @@ namespace {
 
 using Json = nlohmann::json;
 
-class StreamCommand : public testing::Test {
+class StreamCommand : public InFolder {
  protected:
-  fs::path at(const std::string& name) const { return folder_.path() / name; }
-  ProcessResult bench(const Words& arguments, const ProcessLimits& limits = {}) const {
-    return run_process(WOBBLEBENCH_PROGRAM, arguments, folder_.path(), limits);
-  }
   std::string record(const Words& phantom, const std::string& folder) const {
-    const auto result =
-        bench(with({"record", "--volumes", "2", "--out", folder}, {kSphere, kScan, phantom}));
+    const auto result = bench("record --volumes 2 --out " + folder, {kSphere, kScan, phantom});
     EXPECT_EQ(result.exit_code, 0) << result.err;
     return bytes_of(at(folder + "/recording.wbst"));
   }
-  static void expect_line(const ProcessResult& result, int code, const std::string& text) {
-    EXPECT_EQ(result.exit_code, code) << result.err;
-    EXPECT_NE(result.err.find(text), std::string::npos) << result.err;
-  }
-  Json json_of(const std::string& name) const { return Json::parse(bytes_of(at(name))); }
-  void expect_refused(const Words& arguments, const std::string& text) const {
-    const ProcessResult result = bench(arguments);
-    EXPECT_EQ(result.exit_code, 2) << text;
-    EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1) << result.err;
-    EXPECT_NE(result.err.find(text), std::string::npos) << result.err;
-  }
-
-  ScratchFolder folder_;
 };
 
 TEST_F(StreamCommand, EverySimulatedVolumeIsShownAndMeasured) {
-  const auto result = bench(with({"stream",
-                                  "--board",
-                                  "sim",
-                                  "--policy",
-                                  "every",
-                                  "--volumes",
-                                  "6",
-                                  "--errors",
-                                  "3",
-                                  "--trace",
-                                  "--out",
-                                  "out"},
-                                 {kSphere, kScan, kPicture}));
+  const auto result =
+      bench("stream --board sim --policy every --volumes 6 --errors 3 --trace --out out",
+            {kSphere, kScan, kPicture});
   ASSERT_EQ(result.exit_code, 0) << result.err;
   const Json report = json_of("out/report.json");
   EXPECT_EQ(report["timing"]["latency"]["shown"]["volumes"], 6);
@@ -122,21 +93,9 @@ std::map<int, std::vector<ArrowEnd>> arrows_of(
 /// Spans of a track do not overlap; each arrow goes from a stick by pass 1 to the picture of its
 /// volume, or from a picture to the sink, forward in time.
 TEST_F(StreamCommand, TheTraceIsOneThatPerfettoOpens) {
-  ASSERT_EQ(bench(with({"stream",
-                        "--board",
-                        "sim",
-                        "--policy",
-                        "every",
-                        "--volumes",
-                        "5",
-                        "--codec",
-                        "none",
-                        "--errors",
-                        "0",
-                        "--trace",
-                        "--out",
-                        "out"},
-                       {kSphere, kScan, kPicture}))
+  ASSERT_EQ(bench("stream --board sim --policy every --volumes 5 --codec none "
+                  "--errors 0 --trace --out out",
+                  {kSphere, kScan, kPicture})
                 .exit_code,
             0);
   const Json trace = json_of("out/trace.json");
@@ -205,8 +164,7 @@ TEST_F(StreamCommand, CtrlCEndsItWithWholeFiles) {
       std::this_thread::sleep_for(time);
       return true;
     };
-    result = bench(with({"stream", "--errors", "0", "--out", "out"}, {kSphere, kScan, kPicture}),
-                   limits);
+    result = bench("stream --errors 0 --out out", {kSphere, kScan, kPicture}, limits);
     if (result.exit_code == 0) break;
     // The scene was not made, or no picture: again, with more time.
     const bool no_picture = result.exit_code == 1;
@@ -217,14 +175,10 @@ TEST_F(StreamCommand, CtrlCEndsItWithWholeFiles) {
         << result.err;
   }
   ASSERT_EQ(result.exit_code, 0) << result.err;
-  EXPECT_EQ(folder_.files("out"),
-            (Words{"ages.csv",
-                   "ages.vl.json",
-                   "report.html",
-                   "report.json",
-                   "spans.vl.json",
-                   "stream.avi",
-                   "surface.png"}));
+  EXPECT_EQ(
+      folder_.files("out"),
+      (words_of(
+          "ages.csv ages.vl.json report.html report.json spans.vl.json stream.avi surface.png")));
   EXPECT_GT(json_of("out/report.json")["timing"]["latency"]["shown"]["volumes"], 0);
   // RIFF has the length of what follows.
   const std::string bytes = bytes_of(at("out/stream.avi"));
@@ -236,7 +190,8 @@ TEST_F(StreamCommand, CtrlCEndsItWithWholeFiles) {
 
 TEST_F(StreamCommand, CtrlCWhileTheSceneIsMadeLeavesNothing) {
   const auto result =
-      bench({"stream"},
+      bench("stream",
+            {},
             {.interrupt_when = [&] { return fs::exists(at("out/.wobblebench-partial")); },
              .no_cache = true});
   expect_line(result, 128 + SIGINT, "wobblebench: interrupted\n");
@@ -245,18 +200,10 @@ TEST_F(StreamCommand, CtrlCWhileTheSceneIsMadeLeavesNothing) {
 
 /// Drops are counted by cause; what reached the program is all shown, superseded or left.
 TEST_F(StreamCommand, ASmallRingAndALossyLinkAreToldByCause) {
-  const auto result = bench(with({"stream",
-                                  "--board",
-                                  "sim,pace=realtime,faults=drop:0.05",
-                                  "--ring",
-                                  "4",
-                                  "--volumes",
-                                  "8",
-                                  "--errors",
-                                  "0",
-                                  "--out",
-                                  "out"},
-                                 {kSphere, kScan, kPicture}));
+  const auto result = bench(
+      "stream --board sim,pace=realtime,faults=drop:0.05 "
+      "--ring 4 --volumes 8 --errors 0 --out out",
+      {kSphere, kScan, kPicture});
   ASSERT_EQ(result.exit_code, 0) << result.err;
   const Json report = json_of("out/report.json");
   const Json& board = report["timing"]["board"];
@@ -277,9 +224,8 @@ TEST_F(StreamCommand, ASmallRingAndALossyLinkAreToldByCause) {
 
 /// Of one picture each percentile is its value. A fast source and a recording date nothing.
 TEST_F(StreamCommand, TheSpansOfAPictureAddUpToTheAgeOfItsNewestEcho) {
-  const Words one = {"stream", "--volumes", "1", "--codec", "none", "--errors", "0"};
-  ASSERT_EQ(bench(with({"record", "--volumes", "1", "--out", "rec"}, {kSphere, kScan})).exit_code,
-            0);
+  const Words one = words_of("stream --volumes 1 --codec none --errors 0");
+  ASSERT_EQ(bench("record --volumes 1 --out rec", {kSphere, kScan}).exit_code, 0);
   for (const std::string board : {"sim,pace=realtime", "sim", "file=rec/recording.wbst"}) {
     SCOPED_TRACE(board);
     const std::string out = "out" + std::to_string(board.size());
@@ -302,45 +248,30 @@ TEST_F(StreamCommand, TheSpansOfAPictureAddUpToTheAgeOfItsNewestEcho) {
 }
 
 TEST_F(StreamCommand, ARecordingThatIsShorterThanAskedForIsSaid) {
-  ASSERT_EQ(bench(with({"record", "--volumes", "2", "--out", "rec"}, {kSphere, kScan})).exit_code,
-            0);
-  const auto result = bench(with({"stream",
-                                  "--board",
-                                  "file=rec/recording.wbst",
-                                  "--volumes",
-                                  "5",
-                                  "--policy",
-                                  "every",
-                                  "--errors",
-                                  "0",
-                                  "--out",
-                                  "out"},
-                                 {kSphere, kScan, kPicture}));
-  EXPECT_EQ(result.exit_code, 1);
-  EXPECT_NE(result.err.find("--volumes = 5: --board file=rec/recording.wbst sent 2\n"),
-            std::string::npos)
-      << result.err;
+  ASSERT_EQ(bench("record --volumes 2 --out rec", {kSphere, kScan}).exit_code, 0);
+  const auto result = bench(
+      "stream --board file=rec/recording.wbst --volumes 5 --policy every --errors 0 --out out",
+      {kSphere, kScan, kPicture});
+  expect_line(result, 1, "--volumes = 5: --board file=rec/recording.wbst sent 2\n");
   EXPECT_EQ(json_of("out/report.json")["timing"]["latency"]["shown"]["volumes"], 2);
   for (const std::string& text : {result.out, bytes_of(at("out/report.html"))}) {
-    EXPECT_EQ(text.find("nan ms"), std::string::npos) << "one time between pictures has no spread";
+    EXPECT_FALSE(holds(text, "nan ms")) << "one time between pictures has no spread";
   }
 }
 
 TEST_F(StreamCommand, BadInputIsRefusedByOneLine) {
-  expect_refused({"stream", "--volumes", "0"}, "--volumes = 0");
-  expect_refused({"stream", "--policy", "oldest"}, "--policy: oldest not in {newest,every}");
-  expect_refused({"stream", "--codec", "vhs"}, "--codec: vhs not in {mjpg,mp4v,avc1,none}");
-  expect_refused({"stream", "--queue", "0"}, "--queue = 0");
-  expect_refused({"latency", "--policy", "oldest"}, "--policy: oldest not in");
-  expect_refused(
-      {"latency", "--set", "render.preset=baseline", "--set", "render.pipeline.mid_volume=true"},
-      "render.pipeline.mid_volume = true: must be false");
+  expect_refusals({{"stream --volumes 0", "--volumes = 0"},
+                   {"stream --policy oldest", "--policy: oldest not in {newest,every}"},
+                   {"stream --codec vhs", "--codec: vhs not in {mjpg,mp4v,avc1,none}"},
+                   {"stream --queue 0", "--queue = 0"},
+                   {"latency --policy oldest", "--policy: oldest not in"},
+                   {"latency --set render.preset=baseline --set render.pipeline.mid_volume=true",
+                    "render.pipeline.mid_volume = true: must be false"}});
   EXPECT_TRUE(folder_.files().empty());
 }
 
 TEST_F(StreamCommand, LatencyHoldsVirtualTimeAgainstTheWallClock) {
-  const auto result =
-      bench(with({"latency", "--volumes", "10", "--out", "out"}, {kSphere, kScan, kPicture}));
+  const auto result = bench("latency --volumes 10 --out out", {kSphere, kScan, kPicture});
   ASSERT_EQ(result.exit_code, 0) << result.err;
   const Json latency = json_of("out/report.json")["timing"]["latency"];
   EXPECT_EQ(latency["checks"].size(), 5u);
@@ -363,8 +294,8 @@ TEST_F(StreamCommand, LatencyHoldsVirtualTimeAgainstTheWallClock) {
 
 TEST_F(StreamCommand, AnotherBodyInTheStreamIsRefusedAndAnotherScaleEndsIt) {
   const std::string sphere = record({}, "sphere");
-  folder_.write("bodies.wbst", sphere + record({"--set", "phantom.radius_mm=25"}, "other"));
-  folder_.write("scales.wbst", sphere + record({"--set", "simulation.full_scale_db=-6"}, "scaled"));
+  folder_.write("bodies.wbst", sphere + record(set("phantom.radius_mm=25"), "other"));
+  folder_.write("scales.wbst", sphere + record(set("simulation.full_scale_db=-6"), "scaled"));
   const auto stream = [&](const std::string& file) {
     return bench(with({"stream", "--board", "file=" + file, "--policy", "every", "--out", "out"},
                       {kSphere, kPicture}));
@@ -372,25 +303,14 @@ TEST_F(StreamCommand, AnotherBodyInTheStreamIsRefusedAndAnotherScaleEndsIt) {
   expect_line(stream("bodies.wbst"), 2, "behind 2 volumes the samples are of another subject");
   EXPECT_FALSE(fs::exists(at("out")));
   expect_line(stream("scales.wbst"), 1, "behind 2 volumes the display scale changes");
-  EXPECT_EQ(Json::parse(bytes_of(at("out/report.json")))["timing"]["latency"]["shown"]["volumes"],
-            2);
+  EXPECT_EQ(json_of("out/report.json")["timing"]["latency"]["shown"]["volumes"], 2);
 }
 
 TEST_F(StreamCommand, AgesOfSinglePicturesAreThoseOfTheReport) {
-  const auto result = bench(with({"stream",
-                                  "--board",
-                                  "sim,pace=realtime",
-                                  "--volumes",
-                                  "5",
-                                  "--policy",
-                                  "every",
-                                  "--errors",
-                                  "0",
-                                  "--codec",
-                                  "none",
-                                  "--out",
-                                  "out"},
-                                 {kSphere, kScan, kPicture}));
+  const auto result = bench(
+      "stream --board sim,pace=realtime --volumes 5 --policy "
+      "every --errors 0 --codec none --out out",
+      {kSphere, kScan, kPicture});
   ASSERT_EQ(result.exit_code, 0) << result.err;
   std::istringstream csv(bytes_of(at("out/ages.csv")));
   std::string line;
@@ -420,23 +340,14 @@ TEST_F(StreamCommand, AgesOfSinglePicturesAreThoseOfTheReport) {
     oldest = std::max(oldest, values[column("age_oldest_ms")]);
   }
   EXPECT_EQ(lines, 5);
-  const Json report = Json::parse(bytes_of(at("out/report.json")));
+  const Json report = json_of("out/report.json");
   EXPECT_NEAR(report["timing"]["latency"]["age_oldest_ms"]["max"].get<double>(), oldest, 1e-3);
 }
 
 TEST_F(StreamCommand, LossesInAStreamFailWhereThatIsAskedFor) {
-  const Words command = with({"stream",
-                              "--board",
-                              "sim,faults=drop@20",
-                              "--volumes",
-                              "2",
-                              "--errors",
-                              "0",
-                              "--codec",
-                              "none",
-                              "--out",
-                              "out"},
-                             {kSphere, kScan, kPicture});
+  const Words command = with(
+      words_of("stream --board sim,faults=drop@20 --volumes 2 --errors 0 --codec none --out out"),
+      {kSphere, kScan, kPicture});
   EXPECT_EQ(bench(command).exit_code, 0);
   expect_line(
       bench(with(command, {{"--fail-on-loss"}})), 1, "--fail-on-loss: 1 of 288 sticks were lost");

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <cerrno>
+#include <chrono>
 #include <nlohmann/json.hpp>
 #include <thread>
 
@@ -12,26 +13,14 @@ namespace {
 
 using Json = nlohmann::json;
 
-class Surroundings : public testing::Test {
- protected:
-  fs::path at(const std::string& name) const { return folder_.path() / name; }
-  ProcessResult run(const Words& arguments, const ProcessLimits& limits = {}) const {
-    return bench(arguments, folder_, limits);
-  }
-  static void expect_line(const ProcessResult& result, int code, const std::string& text) {
-    EXPECT_EQ(result.exit_code, code) << result.err;
-    EXPECT_NE(result.err.find(text), std::string::npos) << result.err;
-  }
-
-  ScratchFolder folder_;
-};
+using Surroundings = InFolder;
 
 TEST_F(Surroundings, AFileThatCannotBeReadIsNotAnEmptyOne) {
   for (const Words& command : {Words{"phantom", "/proc/self/mem"},
                                Words{"run", "/proc/self/mem"},
                                Words{"trade", "/proc/self/mem"},
                                Words{"accuracy", "/proc/self/mem"}}) {
-    expect_line(run(with(command, {{"--out", "out"}})),
+    expect_line(bench(with(command, {{"--out", "out"}})),
                 1,
                 "/proc/self/mem: cannot be read: Input/output error");
     EXPECT_FALSE(fs::exists(at("out"))) << command.front();
@@ -39,27 +28,30 @@ TEST_F(Surroundings, AFileThatCannotBeReadIsNotAnEmptyOne) {
 }
 
 TEST_F(Surroundings, AnUnknownDriverIsOneLine) {
-  const auto result = run(with({"run", "--out", "out"}, {kSphere, kScan, kPicture}),
-                          {.environment = {{"GALLIUM_DRIVER", "none_such"}}});
+  const auto result = bench("run --out out",
+                            {kSphere, kScan, kPicture},
+                            {.environment = {{"GALLIUM_DRIVER", "none_such"}}});
   expect_line(result, 1, "where GALLIUM_DRIVER = none_such");
 }
 
 TEST_F(Surroundings, ThePageIsOpenedAndDoesNotFailWhereNothingOpensIt) {
   folder_.write("xdg-open", "#!/bin/sh\nprintf %s \"$1\" >\"$OPENED\"\n");
   fs::permissions(at("xdg-open"), fs::perms::owner_all);
-  const Words words = with({"phantom", "--open", "--out", "out"}, {kSphere});
+  const Words words = with(words_of("phantom --open --out out"), {kSphere});
   const std::string opened = at("opened").string();
-  const auto result = run(
+  const auto result = bench(
       words,
       {.environment = {{"PATH", folder_.path().string() + ":/usr/bin:/bin"}, {"OPENED", opened}}});
   EXPECT_EQ(result.exit_code, 0) << result.err;
-  while (!fs::exists(opened) || fs::file_size(opened) == 0) std::this_thread::yield();
+  while (!fs::exists(opened) || fs::file_size(opened) == 0) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
   EXPECT_EQ(fs::path(bytes_of(opened)), fs::weakly_canonical(at("out/report.html")));
-  expect_line(run(words, {.environment = {{"PATH", at("out").string()}}}),
+  expect_line(bench(words, {.environment = {{"PATH", at("out").string()}}}),
               0,
               "warning: --open: xdg-open cannot be started: ");
   folder_.write("xdg-open", "#!/bin/sh\nexit 3\n");
-  expect_line(run(words, {.environment = {{"PATH", folder_.path().string() + ":/usr/bin:/bin"}}}),
+  expect_line(bench(words, {.environment = {{"PATH", folder_.path().string() + ":/usr/bin:/bin"}}}),
               0,
               "warning: --open: xdg-open failed: exit code 3; the page is ");
 }
@@ -67,8 +59,10 @@ TEST_F(Surroundings, ThePageIsOpenedAndDoesNotFailWhereNothingOpensIt) {
 /// The cache of shaders, which is Mesa's, and that of phantoms.
 TEST_F(Surroundings, ARelativeCacheFolderIsIgnored) {
   const auto result =
-      run(with({"run", "--out", "out"}, {kSphere, kScan, kPicture}),
-          {.environment = {{"XDG_CACHE_HOME", "cache"}, {"HOME", at("home")}}, .no_cache = true});
+      bench("run --out out",
+            {kSphere, kScan, kPicture},
+            {.environment = {{"XDG_CACHE_HOME", "cache"}, {"HOME", at("home").string()}},
+             .no_cache = true});
   EXPECT_EQ(result.exit_code, 0) << result.err;
   EXPECT_EQ(folder_.files(), (Words{"home", "out"}));
   EXPECT_EQ(folder_.files("home/.cache/wobblebench").size(), 2U) << "a phantom and its map";
@@ -80,10 +74,10 @@ TEST_F(Surroundings, AFileSystemWithoutLocksIsWrittenAndThatIsSaid) {
 #endif
   for (const int reason : {ENOLCK, EOPNOTSUPP, ENOSYS, EIO}) {
     const std::string number = std::to_string(reason), cache = "cache" + number;
-    const auto result = run(with({"phantom", "--out", number}, {kSphere}),
-                            {.environment = {{"LD_PRELOAD", WOBBLEBENCH_FAILING_CALLS},
-                                             {"WOBBLEBENCH_FLOCK_ERRNO", number}},
-                             .cache_home = at(cache)});
+    const auto result = bench(with({"phantom", "--out", number}, {kSphere}),
+                              {.environment = {{"LD_PRELOAD", WOBBLEBENCH_FAILING_CALLS},
+                                               {"WOBBLEBENCH_FLOCK_ERRNO", number}},
+                               .cache_home = at(cache).string()});
     if (reason == EIO) {
       expect_line(result, 2, "--out = 5: Input/output error; must be a folder");
       continue;
@@ -100,7 +94,7 @@ TEST_F(Surroundings, TooLittleAddressSpaceIsOneLineThatNamesTheLimit) {
   GTEST_SKIP() << "a sanitizer needs more address space than there is memory";
 #endif
   const std::string small = " --set phantom.name=sphere --set phantom.voxel_mm=2";
-  ASSERT_EQ(run(with({"run", "--out", "scored"}, {kSphere, kScan, kPicture})).exit_code, 0);
+  ASSERT_EQ(bench("run --out scored", {kSphere, kScan, kPicture}).exit_code, 0);
   int failed = 0;
   for (const std::string& command :
        {"run" + small,
@@ -124,9 +118,9 @@ TEST_F(Surroundings, WithoutThreadsItEndsWithOneLine) {
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
   GTEST_SKIP() << "a sanitizer replaces the same functions";
 #endif
-  const auto result = run({"--version"},
-                          {.environment = {{"LD_PRELOAD", WOBBLEBENCH_FAILING_CALLS},
-                                           {"WOBBLEBENCH_NO_THREADS", "1"}}});
+  const auto result = bench(Words{"--version"},
+                            {.environment = {{"LD_PRELOAD", WOBBLEBENCH_FAILING_CALLS},
+                                             {"WOBBLEBENCH_NO_THREADS", "1"}}});
   EXPECT_EQ(result.exit_code, 1);
   EXPECT_EQ(result.err,
             "wobblebench: the system refuses a thread, a lock or memory: Resource temporarily "
@@ -134,10 +128,9 @@ TEST_F(Surroundings, WithoutThreadsItEndsWithOneLine) {
 }
 
 TEST_F(Surroundings, TheCpuInThePlaceOfADeviceIsSaid) {
-  const auto result =
-      run(with({"run", "--gl", "egl-device", "--out", "out"}, {kSphere, kScan, kPicture}));
+  const auto result = bench("run --gl egl-device --out out", {kSphere, kScan, kPicture});
   if (result.exit_code != 0) GTEST_SKIP() << "no EGL device: " << result.err;
-  const Json report = Json::parse(bytes_of(at("out/report.json")));
+  const Json report = json_of("out/report.json");
   const bool cpu = report["provenance"]["gl_renderer"].get<std::string>().find("llvmpipe") == 0;
   EXPECT_EQ(result.err.find("warning: --gl = egl-device") != std::string::npos, cpu) << result.err;
   EXPECT_EQ(report["warnings"].size(), cpu ? 1u : 0u);

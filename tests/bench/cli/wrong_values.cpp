@@ -11,6 +11,7 @@
 #include "hw/link/xdma_link.h"
 #include "hw/recording/file_link.h"
 #include "sim/card/sim_link.h"
+#include "tests/support/expect.h"
 
 namespace wobblebench::bench::testing {
 
@@ -99,34 +100,15 @@ void add_wrong_links(const std::string& link, std::vector<std::string>& boards) 
 }  // namespace
 
 std::vector<std::string> wrong_settings() {
-  std::vector<std::string> all = {"",
-                                  "=",
-                                  ".",
-                                  "=1",
-                                  "a",
-                                  ".=",
-                                  "..=1",
-                                  "a=1",
-                                  ".a=1",
-                                  "phantom.=1",
-                                  ".phantom.voxel_mm=1",
-                                  "phantom..voxel_mm=1",
-                                  "phantom.voxel_mm..=1",
-                                  "phantom.voxel_mm",
-                                  "phantom=1",
-                                  "render=1",
-                                  "render.view=1",
-                                  "render.view.yaw_deg.x=1",
-                                  "phantom.name=a\nb",
-                                  "phantom.name=\x01",
-                                  "phantom.file=\xff.vdb",
-                                  "\xff.\xfe=1",
-                                  "phantom.\xc0\x80=1",
-                                  "phantom .voxel_mm=1",
-                                  "PHANTOM.voxel_mm=1",
-                                  "phantom.voxel_mm=1\nphantom.name=2",
-                                  "phantom.name=no_such_phantom",
-                                  "probe.preset=no_such_preset"};
+  std::vector<std::string> all = words_of(
+      "= . =1 a .= ..=1 a=1 .a=1 phantom.=1 .phantom.voxel_mm=1 phantom..voxel_mm=1 "
+      "phantom.voxel_mm..=1 phantom.voxel_mm phantom=1 render=1 render.view=1 "
+      "render.view.yaw_deg.x=1 phantom.name=\x01 phantom.file=\xff.vdb \xff.\xfe=1 "
+      "phantom.\xc0\x80=1 PHANTOM.voxel_mm=1 phantom.name=no_such_phantom "
+      "probe.preset=no_such_preset");
+  all.insert(
+      all.end(),
+      {"", "phantom.name=a\nb", "phantom .voxel_mm=1", "phantom.voxel_mm=1\nphantom.name=2"});
   Scene scene;
   for_each_section(scene, [&](const std::string& section, auto& options) {
     WrongValues wrong(true);
@@ -139,40 +121,14 @@ std::vector<std::string> wrong_settings() {
 }
 
 std::vector<std::string> wrong_boards() {
-  std::vector<std::string> all = {"",
-                                  ",",
-                                  "=",
-                                  "nonsense",
-                                  "SIM",
-                                  "sim=5",
-                                  "file",
-                                  "file=",
-                                  "file=none.wbst",
-                                  "file=folder",
-                                  "file=whole.wbst/under",
-                                  "xdma",
-                                  "xdma=",
-                                  "xdma=none",
-                                  "xdma=folder",
-                                  "\xff",
-                                  "sim,\xff=1",
-                                  "sim\n",
-                                  "sim,pace=asap,pace=asap",
-                                  "file=none.wbst,loop=true"};
-  for (const std::string faults : {"",
-                                   "drop",
-                                   "drop:",
-                                   "drop:2",
-                                   "drop:-0.1",
-                                   "drop:nan",
-                                   "drop@-1",
-                                   "drop@x",
-                                   "melt:0.1",
-                                   "drop:0.1+",
-                                   "+",
-                                   "seed:-1",
-                                   "delay_ms:60001",
-                                   "stall_ms:nan"}) {
+  std::vector<std::string> all = words_of(
+      ", = nonsense SIM sim=5 file file= file=none.wbst file=folder file=whole.wbst/under "
+      "xdma xdma= xdma=none xdma=folder \xff sim,\xff=1 sim,pace=asap,pace=asap "
+      "file=none.wbst,loop=true");
+  all.insert(all.end(), {"", "sim\n", "sim,faults="});
+  for (const std::string& faults :
+       words_of("drop drop: drop:2 drop:-0.1 drop:nan drop@-1 drop@x melt:0.1 drop:0.1+ + seed:-1 "
+                "delay_ms:60001 stall_ms:nan")) {
     all.push_back("sim,faults=" + faults);
   }
   add_wrong_links<sim::SimLinkOptions>("sim", all);

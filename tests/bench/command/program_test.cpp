@@ -11,6 +11,7 @@
 
 #include "base/options.h"
 #include "base/user_error.h"
+#include "tests/support/expect.h"
 
 namespace wobblebench::bench {
 namespace {

@@ -4,17 +4,15 @@
 #include <gtest/gtest.h>
 
 #include "bench/pipeline/acquire.h"
+#include "tests/support/expect.h"
 
 namespace wobblebench::bench {
 namespace {
 
-const std::vector<std::string> kScene = {"phantom.name=sphere",
-                                         "phantom.voxel_mm=1",
-                                         "acquisition.frames_per_volume=17",
-                                         "acquisition.sticks_per_frame=32",
-                                         "simulation.fidelity=field",
-                                         "render.scan_conversion.slice_size=128",
-                                         "render.ray_casting.image_size=64"};
+const std::vector<std::string> kScene = words_of(
+    "phantom.name=sphere phantom.voxel_mm=1 acquisition.frames_per_volume=17 "
+    "acquisition.sticks_per_frame=32 simulation.fidelity=field "
+    "render.scan_conversion.slice_size=128 render.ray_casting.image_size=64");
 
 render::GlContext& evaluator_context() {
   static const auto shared = render::make_context();

@@ -20,20 +20,12 @@ namespace {
 
 constexpr double kRadius_mm = 20;
 const glm::dvec3 kCenter_mm{7, -5, 108};
-const Words kBall = {"--set",
-                     "phantom.name=sphere",
-                     "--set",
-                     "placement.position_mm=[7, -5, 108]",
-                     "--set",
-                     "simulation.fidelity=geometry",
-                     "--set",
-                     "render.ray_casting.incidence_correction_mm=0",
-                     "--set",
-                     "render.volume_of_interest.center_mm=[3, 4, 104]",
-                     "--set",
-                     "render.volume_of_interest.size_mm=[60, 70, 52]"};
+const Words kBall = set(
+    "phantom.name=sphere placement.position_mm=[7,-5,108] simulation.fidelity=geometry "
+    "render.ray_casting.incidence_correction_mm=0 "
+    "render.volume_of_interest.center_mm=[3,4,104] render.volume_of_interest.size_mm=[60,70,52]");
 
-const Words kFineSlices = {"--set", "render.scan_conversion.slice_size=256"};
+const Words kFineSlices = set("render.scan_conversion.slice_size=256");
 
 struct DepthFile {
   int size = 0;
@@ -127,34 +119,15 @@ TEST_P(DepthPoints, LieOnTheBallThatWasScanned) {
   EXPECT_NEAR(camera.at("mm_per_pixel"), 70.0 / 64, 1e-9);
 }
 
-const View kViews[] = {{"at_rest", {}},
-                       {"turned",
-                        {"--set",
-                         "render.view.yaw_deg=25",
-                         "--set",
-                         "render.view.pitch_deg=-15",
-                         "--set",
-                         "render.view.roll_deg=35"}},
-                       {"turned_in_perspective",
-                        {"--set",
-                         "render.view.yaw_deg=-20",
-                         "--set",
-                         "render.view.pitch_deg=12",
-                         "--set",
-                         "render.view.roll_deg=-50",
-                         "--set",
-                         "render.view.projection=perspective",
-                         "--set",
-                         "render.view.eye_distance_mm=90"}},
-                       {"flipped",
-                        {"--set",
-                         "render.view.yaw_deg=25",
-                         "--set",
-                         "render.view.roll_deg=20",
-                         "--set",
-                         "render.view.flip=true",
-                         "--set",
-                         "render.view.projection=perspective"}}};
+const View kViews[] = {
+    {"at_rest", {}},
+    {"turned", set("render.view.yaw_deg=25 render.view.pitch_deg=-15 render.view.roll_deg=35")},
+    {"turned_in_perspective",
+     set("render.view.yaw_deg=-20 render.view.pitch_deg=12 render.view.roll_deg=-50 "
+         "render.view.projection=perspective render.view.eye_distance_mm=90")},
+    {"flipped",
+     set("render.view.yaw_deg=25 render.view.roll_deg=20 render.view.flip=true "
+         "render.view.projection=perspective")}};
 
 INSTANTIATE_TEST_SUITE_P(Views, DepthPoints, testing::ValuesIn(kViews), [](const auto& view) {
   return std::string(view.param.name);
@@ -176,25 +149,16 @@ TEST(PictureSides, LeftIsTheSideOfTheFirstLineUnlessThePictureIsFlipped) {
   }
 }
 
-TEST(DepthToPoints, TheExampleLaysAFoundSurfaceOntoItsMesh) {
-  const ScratchFolder folder;
+using DepthToPoints = InFolder;
+
+TEST_F(DepthToPoints, TheExampleLaysAFoundSurfaceOntoItsMesh) {
   const std::string mesh = std::string(WOBBLEBENCH_SOURCE_DIR) + "/docs/scenes/pebble.obj";
-  const Words pebble = {"run",
-                        "--set",
-                        "phantom.name=mesh",
-                        "--set",
-                        "phantom.file=" + mesh,
-                        "--set",
-                        "placement.position_mm=[6, -4, 112]",
-                        "--set",
-                        "simulation.fidelity=geometry",
-                        "--set",
-                        "render.view.yaw_deg=30",
-                        "--set",
-                        "render.view.projection=perspective"};
-  ASSERT_EQ(bench(with(pebble, {kPicture}), folder).exit_code, 0);
+  const Words pebble =
+      set("phantom.name=mesh placement.position_mm=[6,-4,112] simulation.fidelity=geometry "
+          "render.view.yaw_deg=30 render.view.projection=perspective");
+  ASSERT_EQ(bench("run", {pebble, {"--set", "phantom.file=" + mesh}, kPicture}).exit_code, 0);
   const auto registered = testing_support::run_process(
-      WOBBLEBENCH_DEPTH_TO_POINTS, {"out/truth_depth.exr", mesh, "6", "-4", "112"}, folder.path());
+      WOBBLEBENCH_DEPTH_TO_POINTS, {"out/truth_depth.exr", mesh, "6", "-4", "112"}, folder_.path());
   ASSERT_EQ(registered.exit_code, 0) << registered.err;
   std::istringstream words(registered.err);
   int points = 0;

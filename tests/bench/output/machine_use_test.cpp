@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "bench/output/finished_report.h"
+#include "tests/support/expect.h"
 
 namespace wobblebench::bench {
 namespace {
@@ -37,7 +38,7 @@ TEST(MachineUse, OthersHaveWhatThisProcessHasNot) {
   // 10 s of 4 cores, of which this process took 12 s, others 6 s and other guests 2 s.
   const MachineUse use{sample_at(100, 1000, 5, 1), sample_at(110, 1018, 7, 13)};
   EXPECT_DOUBLE_EQ(use.share_of_others(), 0.2);
-  EXPECT_NE(use.warning().find("20 % of the time of 4 cores"), std::string::npos) << use.warning();
+  EXPECT_TRUE(holds(use.warning(), "20 % of the time of 4 cores"));
 }
 
 TEST(MachineUse, AnIdleMachineIsNotWarnedOf) {

@@ -11,6 +11,7 @@
 
 #include "base/user_error.h"
 #include "tests/support/bytes_of.h"
+#include "tests/support/expect.h"
 #include "tests/support/file_limit.h"
 #include "tests/support/process.h"
 
@@ -207,14 +208,8 @@ TEST(OutputFolder, WhatCannotBeMovedIsMovedByTheNextCommandAndThatIsSaid) {
   std::filesystem::create_directory(scratch.path() / ".wobblebench-commit");
   scratch.write(".wobblebench-commit/one", "new");
   std::filesystem::create_directory(scratch.path() / "one");
-  try {
-    const OutputFolder out(scratch.path());
-    ADD_FAILURE() << "moved onto a folder";
-  } catch (const std::runtime_error& error) {
-    EXPECT_NE(std::string(error.what()).find("the next command with this folder"),
-              std::string::npos)
-        << error.what();
-  }
+  EXPECT_TRUE(holds(refusal_of<std::runtime_error>([&] { const OutputFolder out(scratch.path()); }),
+                    "the next command with this folder"));
   EXPECT_EQ(bytes_of(scratch.path() / ".wobblebench-commit/one"), "new");
   std::filesystem::remove(scratch.path() / "one");
   { const OutputFolder out(scratch.path()); }

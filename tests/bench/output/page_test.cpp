@@ -8,6 +8,7 @@
 
 #include "bench/output/page/page_text.h"
 #include "bench/output/page/report_page.h"
+#include "tests/support/expect.h"
 
 namespace wobblebench::bench {
 namespace {
@@ -95,18 +96,16 @@ TEST(Page, RandomBytesNeverEndItsElements) {
 
 TEST(Page, ThePolicyNamesHashesAndNoNetwork) {
   const std::string page = page_of({.title = "plain"});
-  EXPECT_NE(page.find("default-src 'none'; img-src data: blob:; style-src 'sha256-"),
-            std::string::npos);
-  EXPECT_EQ(page.find("unsafe"), std::string::npos);
-  EXPECT_NE(page.find("<html lang=\"en\">"), std::string::npos);
+  EXPECT_TRUE(holds(page, "default-src 'none'; img-src data: blob:; style-src 'sha256-"));
+  EXPECT_FALSE(holds(page, "unsafe"));
+  EXPECT_TRUE(holds(page, "<html lang=\"en\">"));
 }
 
 TEST(Page, PicturesAreInsideIt) {
   Document document{.title = "one"};
   document.add(Picture{"foo", "A caption."});
   const std::string page = html(document, [](const std::string&) { return "foobar"; });
-  EXPECT_NE(page.find("<img src=\"data:image/png;base64,Zm9vYmFy\" alt=\"A caption.\">"),
-            std::string::npos);
+  EXPECT_TRUE(holds(page, "<img src=\"data:image/png;base64,Zm9vYmFy\" alt=\"A caption.\">"));
 }
 
 TEST(Page, SaysThatAPictureIsCompressed) {
@@ -131,7 +130,7 @@ TEST(ReportPage, SaysWhatTheCommandWarnedOfAndHowItWasMade) {
                            "<code>load.x</code>",
                            "<td>stream</td><td class=\"number\" data-value=\"62\">62</td>",
                            "&quot;mode&quot;: &quot;surface&quot;"}) {
-    EXPECT_NE(page.find(part), std::string::npos) << part;
+    EXPECT_TRUE(holds(page, part)) << part;
   }
 }
 

@@ -9,6 +9,7 @@
 
 #include "bench/exchange/files/npy.h"
 #include "tests/support/bytes_of.h"
+#include "tests/support/expect.h"
 #include "tests/support/file_limit.h"
 #include "tests/support/folder_test.h"
 
@@ -75,12 +76,8 @@ TEST_F(IqFileOnDisk, AFullDiskIsAnErrorNowAndAtTheEnd) {
   IqFile array(file("iq.npy"), plan);
   const testing_support::FileLimit limit(2000);
   EXPECT_THROW(write_all(array, plan), std::runtime_error);
-  try {
-    array.finish(1);
-    ADD_FAILURE() << "finished";
-  } catch (const std::runtime_error& error) {
-    EXPECT_EQ(error.what(), file("iq.npy").string() + ": cannot be written: File too large");
-  }
+  EXPECT_EQ(refusal_of<std::runtime_error>([&] { array.finish(1); }),
+            file("iq.npy").string() + ": cannot be written: File too large");
 }
 
 TEST_F(IqFileOnDisk, ReplacesNoFile) {

@@ -19,6 +19,7 @@
 #include "bench/scene/scene.h"
 #include "render/gl/context.h"
 #include "render/renderer.h"
+#include "tests/support/expect.h"
 
 namespace wobblebench::bench {
 namespace {
@@ -162,13 +163,10 @@ bool refused(const Settings& settings) {
   }
 }
 
-const Settings kSmall = {"phantom.voxel_mm=2",
-                         "acquisition.frames_per_volume=7",
-                         "acquisition.sticks_per_frame=16",
-                         "acquisition.samples_per_stick=128",
-                         "render.scan_conversion.slice_size=64",
-                         "render.ray_casting.image_size=24",
-                         "render.ray_casting.steps=64"};
+const Settings kSmall = words_of(
+    "phantom.voxel_mm=2 acquisition.frames_per_volume=7 acquisition.sticks_per_frame=16 "
+    "acquisition.samples_per_stick=128 render.scan_conversion.slice_size=64 "
+    "render.ray_casting.image_size=24 render.ray_casting.steps=64");
 
 Settings joined(Settings first, const Settings& second) {
   first.insert(first.end(), second.begin(), second.end());

@@ -9,6 +9,7 @@
 #include <filesystem>
 
 #include "base/user_error.h"
+#include "tests/support/expect.h"
 #include "tests/support/process.h"
 
 namespace wobblebench::bench {
@@ -51,18 +52,11 @@ INSTANTIATE_TEST_SUITE_P(
     MemoryOfRun,
     testing::Values(std::vector<std::string>{"phantom.voxel_mm=1"},
                     std::vector<std::string>{"phantom.name=sphere", "phantom.voxel_mm=0.25"},
-                    std::vector<std::string>{"phantom.name=plane",
-                                             "phantom.voxel_mm=1",
-                                             "render.ray_casting.image_size=1536",
-                                             "render.ray_casting.steps=32"}));
+                    words_of("phantom.name=plane phantom.voxel_mm=1 "
+                             "render.ray_casting.image_size=1536 render.ray_casting.steps=32")));
 
 std::string refusal_of_run(const std::vector<std::string>& settings, double available) {
-  try {
-    check_memory_of_run(load_scene({}, settings), available);
-  } catch (const UserError& error) {
-    return error.what();
-  }
-  return {};
+  return refusal_of<UserError>([&] { check_memory_of_run(load_scene({}, settings), available); });
 }
 
 TEST(MemoryOfRun, TooMuchIsALineThatNamesItsKey) {

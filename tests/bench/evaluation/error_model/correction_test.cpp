@@ -5,7 +5,6 @@
 
 #include <cstring>
 #include <fstream>
-#include <functional>
 
 #include "base/user_error.h"
 #include "bench/scene/resolved_scene.h"
@@ -38,12 +37,7 @@ class CorrectionFile : public testing::Test {
   /// What read_correction() says of a scene with these settings and the file.
   std::string refusal(const std::string& file, std::vector<std::string> settings = {}) {
     settings.push_back("render.correction=" + file);
-    try {
-      read_correction(small_scene(settings));
-    } catch (const UserError& error) {
-      return error.what();
-    }
-    return "";
+    return refusal_of<UserError>([&] { read_correction(small_scene(settings)); });
   }
   ScratchFolder folder_;
 };
@@ -60,38 +54,30 @@ TEST_F(CorrectionFile, IsReadAsItWasWritten) {
 
 TEST_F(CorrectionFile, OfOtherConditionsIsRefusedInOneLine) {
   const std::string file = write(correction_text(correction_of(small_scene(), 1)));
-  for (const std::string other : {"probe.preset=c5-2v",
-                                  "probe.wobble_radius_mm=20",
-                                  "acquisition.frames_per_volume=20",
-                                  "acquisition.sticks_per_frame=32",
-                                  "acquisition.samples_per_stick=256",
-                                  "render.ray_casting.buffer_length=16",
-                                  "render.ray_casting.detector=floor",
-                                  "render.ray_casting.iso_level=0.6",
-                                  "render.ray_casting.incidence_correction_mm=1",
-                                  "render.reconstruction.sticks=plain",
-                                  "render.ray_casting.steps=512",
-                                  "render.ray_casting.threshold=0.2",
-                                  "render.shading.depth_filter_size=5",
-                                  "simulation.dynamic_range_db=70"}) {
+  for (const std::string& other :
+       words_of("probe.preset=c5-2v probe.wobble_radius_mm=20 acquisition.frames_per_volume=20 "
+                "acquisition.sticks_per_frame=32 acquisition.samples_per_stick=256 "
+                "render.ray_casting.buffer_length=16 render.ray_casting.detector=floor "
+                "render.ray_casting.iso_level=0.6 render.ray_casting.incidence_correction_mm=1 "
+                "render.reconstruction.sticks=plain render.ray_casting.steps=512 "
+                "render.ray_casting.threshold=0.2 render.shading.depth_filter_size=5 "
+                "simulation.dynamic_range_db=70")) {
     const std::string said = refusal(file, {other});
-    EXPECT_NE(said.find(other.substr(0, other.find('='))), std::string::npos) << other << said;
-    EXPECT_EQ(said.find('\n'), std::string::npos) << said;
+    EXPECT_TRUE(holds(said, other.substr(0, other.find('=')))) << other;
+    EXPECT_FALSE(holds(said, "\n"));
   }
-  for (const std::string same : {"phantom.name=plane",
-                                 "render.view.yaw_deg=20",
-                                 "render.ray_casting.image_size=64",
-                                 "render.pipeline.mode=plain",
-                                 "simulation.seed=9"}) {
+  for (const std::string& same :
+       words_of("phantom.name=plane render.view.yaw_deg=20 render.ray_casting.image_size=64 "
+                "render.pipeline.mode=plain simulation.seed=9")) {
     EXPECT_EQ(refusal(file, {same}), "");
   }
 }
 
 TEST_F(CorrectionFile, ThatIsNoneIsRefusedInOneLine) {
   for (const std::string text : {"", "{}", "[1]", "{\"kind\": \"other\"}", "no json"}) {
-    EXPECT_NE(refusal(write(text)).find("is not a correction"), std::string::npos) << text;
+    EXPECT_TRUE(holds(refusal(write(text)), "is not a correction")) << text;
   }
-  EXPECT_NE(refusal("nowhere.json").find("no such file"), std::string::npos);
+  EXPECT_TRUE(holds(refusal("nowhere.json"), "no such file"));
 }
 
 TEST_F(CorrectionFile, OfAnotherStepIsRefused) {
@@ -118,33 +104,32 @@ TEST_F(CorrectionFile, IsRefusedByRunBeforeAnyWork) {
                               folder_);
     EXPECT_EQ(result.exit_code, 2) << other;
     EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1) << result.err;
-    EXPECT_NE(result.err.find(other.substr(0, other.find('='))), std::string::npos) << result.err;
+    EXPECT_TRUE(holds(result.err, other.substr(0, other.find('='))));
     EXPECT_FALSE(std::filesystem::exists(folder_.path() / "out"));
   }
 }
 
 /// The samples of a recording are on the recording's display scale, whatever the scene's is.
 TEST_F(CorrectionFile, IsComparedWithTheDisplayScaleOfARecording) {
-  const Words scan = with(kSphere, {kScan, {"--set", "render.ray_casting.image_size=32"}});
-  const Words scale = {"--set", "simulation.dynamic_range_db=70"};
-  ASSERT_EQ(bench(with({"record", "--out", "rec"}, {scan, scale}), folder_).exit_code, 0);
+  const Words scan = with(kSphere, {kScan, set("render.ray_casting.image_size=32")});
+  const Words scale = set("simulation.dynamic_range_db=70");
+  ASSERT_EQ(bench(with(words_of("record --out rec"), {scan, scale}), folder_).exit_code, 0);
   const auto play = [&](const Words& made_for) {
     Words settings;
     for (std::size_t i = 1; i < made_for.size(); i += 2) settings.push_back(made_for[i]);
     Scene scene = load_scene({}, settings);
     scene = resolve_scene(scene, phantoms::make_phantom(scene.phantom)).options();
     const std::string file = write(correction_text(correction_of(scene, 1)));
-    return bench(with({"run", "--board", "file=rec/recording.wbst"},
+    return bench(with(words_of("run --board file=rec/recording.wbst"),
                       {kSphere,
-                       {"--set", "render.ray_casting.image_size=32"},
+                       set("render.ray_casting.image_size=32"),
                        {"--set", "render.correction=" + file}}),
                  folder_);
   };
   const auto other = play(scan);
   EXPECT_EQ(other.exit_code, 2) << other.err;
-  EXPECT_NE(other.err.find("was made for simulation.dynamic_range_db = 60.0; the scene has 70.0"),
-            std::string::npos)
-      << other.err;
+  EXPECT_TRUE(
+      holds(other.err, "was made for simulation.dynamic_range_db = 60.0; the scene has 70.0"));
   const auto same = play(with(scan, {scale}));
   EXPECT_EQ(same.exit_code, 0) << same.err;
 }

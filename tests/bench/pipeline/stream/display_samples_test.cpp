@@ -7,6 +7,7 @@
 
 #include "base/user_error.h"
 #include "bench/pipeline/acquire.h"
+#include "tests/support/expect.h"
 
 namespace wobblebench::bench {
 namespace {
@@ -38,12 +39,8 @@ hw::Configuration configuration(hw::StreamOrigin source, const hw::DisplayScale&
 std::string refusal(hw::PolarVolume volume,
                     hw::StreamOrigin source,
                     std::optional<double> dynamic_range_db = 60) {
-  try {
-    make_displayable(volume, configuration(source), dynamic_range_db, "x");
-  } catch (const UserError& error) {
-    return error.what();
-  }
-  return "";
+  return refusal_of<UserError>(
+      [&] { make_displayable(volume, configuration(source), dynamic_range_db, "x"); });
 }
 
 TEST(DisplaySamples, LogCompressedOnesStayAsTheyAre) {

@@ -19,12 +19,11 @@ const std::string kPlan =
 const std::string kSettings =
     "[settings.paper]\n[settings.long.render.ray_casting]\nbuffer_length = 16\n";
 
-TEST(AccuracyCommand, ScoresEverySettingOfEverySeed) {
-  const ScratchFolder folder;
-  folder.write("plan.toml", kPlan + kSettings);
-  const auto result = bench({"accuracy", "plan.toml", "--json"}, folder);
-  ASSERT_EQ(result.exit_code, 0) << result.err;
-  const Json report = Json::parse(result.out);
+using AccuracyCommand = InFolder;
+
+TEST_F(AccuracyCommand, ScoresEverySettingOfEverySeed) {
+  folder_.write("plan.toml", kPlan + kSettings);
+  const auto report = report_of(bench("accuracy plan.toml --json"));
   EXPECT_EQ(report.at("command"), "accuracy");
   EXPECT_EQ(report.at("accuracy").at("evaluations"), 4);
   EXPECT_EQ(report.at("scenes").at("ball").at("long").at("phantom").at("name"), "sphere");
@@ -33,65 +32,46 @@ TEST(AccuracyCommand, ScoresEverySettingOfEverySeed) {
   EXPECT_EQ(summaries.at(0).at("setting"), "paper");
   EXPECT_EQ(summaries.at(0).at("means").at("p95_mm").at("n"), 2);
   EXPECT_GT(summaries.at(0).at("means").at("p95_mm").at("half_interval"), 0);
-  for (const char* file : {"accuracy.csv",
-                           "accuracy.md",
-                           "accuracy_errors_field.vl.json",
-                           "report.html",
-                           "accuracy_ball_field_long.png",
-                           "accuracy_ball_field_truth.png",
-                           "report.json"}) {
-    EXPECT_TRUE(fs::exists(folder.path() / "out" / file)) << file;
+  for (const std::string& file :
+       words_of("accuracy.csv accuracy.md accuracy_errors_field.vl.json report.html "
+                "accuracy_ball_field_long.png accuracy_ball_field_truth.png report.json")) {
+    EXPECT_TRUE(fs::exists(at("out") / file)) << file;
   }
 }
 
-TEST(AccuracyCommand, TakesOneSceneWithSettingsOfAnotherFile) {
-  const ScratchFolder folder;
-  folder.write("settings.toml", kSettings);
-  const auto result =
-      bench(with({"accuracy", "--settings", "settings.toml", "--seeds", "1", "--json"},
-                 {kSphere, kScan, kPicture, {"--set", "simulation.fidelity=geometry"}}),
-            folder);
-  ASSERT_EQ(result.exit_code, 0) << result.err;
-  const Json report = Json::parse(result.out);
+TEST_F(AccuracyCommand, TakesOneSceneWithSettingsOfAnotherFile) {
+  folder_.write("settings.toml", kSettings);
+  const auto report =
+      report_of(bench("accuracy --settings settings.toml --seeds 1 --json",
+                      {kSphere, kScan, kPicture, set("simulation.fidelity=geometry")}));
   EXPECT_EQ(report.at("accuracy").at("evaluations"), 2);
   EXPECT_EQ(report.at("accuracy").at("summaries").at(0).at("rung"), "geometry");
 }
 
 /// A box of interest in the fluid in front of the ball: nothing to find, and nothing scored.
-TEST(AccuracyCommand, SaysWhereNoSurfaceIsInView) {
-  const ScratchFolder folder;
-  const auto result = bench(with({"accuracy", "--seeds", "1", "--json"},
-                                 {kSphere,
-                                  kScan,
-                                  kPicture,
-                                  {"--set", "render.volume_of_interest.center_mm=[0,0,60]"},
-                                  {"--set", "render.volume_of_interest.size_mm=[20,20,20]"}}),
-                            folder);
-  ASSERT_EQ(result.exit_code, 0) << result.err;
-  const Json accuracy = Json::parse(result.out).at("accuracy");
+TEST_F(AccuracyCommand, SaysWhereNoSurfaceIsInView) {
+  const auto accuracy = report_of(bench("accuracy --seeds 1 --json",
+                                        {kSphere,
+                                         kScan,
+                                         kPicture,
+                                         set("render.volume_of_interest.center_mm=[0,0,60] "
+                                             "render.volume_of_interest.size_mm=[20,20,20]")}))
+                            .at("accuracy");
   ASSERT_EQ(accuracy.at("notes").size(), 1U);
-  EXPECT_NE(accuracy.at("notes").at(0).get<std::string>().find("no surface in view"),
-            std::string::npos);
+  EXPECT_TRUE(holds(accuracy.at("notes").at(0).get<std::string>(), "no surface in view"));
   const Json& means = accuracy.at("summaries").at(0).at("means");
   EXPECT_FALSE(means.contains("missed_percent"));
   EXPECT_FALSE(means.contains("p95_mm"));
 }
 
-TEST(AccuracyCommand, RefusesBadInputWithOneLineBeforeAnyWork) {
-  const ScratchFolder folder;
-  folder.write("plan.toml", kPlan + "[settings.bad.render.ray_casting]\nbuffer_length = 3\n");
-  folder.write("none.toml", "seeds = 3\n[settings.paper]\n");
-  for (const Words& words : {Words{"accuracy", "plan.toml"},
-                             Words{"accuracy", "none.toml"},
-                             Words{"accuracy", "missing.toml"},
-                             Words{"accuracy", "--seeds", "-1"},
-                             Words{"accuracy", "--settings", "missing.toml"}}) {
-    const auto result = bench(words, folder);
-    EXPECT_EQ(result.exit_code, 2) << words.back();
-    EXPECT_EQ(result.err.find("wobblebench: "), 0U) << result.err;
-    EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1) << result.err;
-    EXPECT_FALSE(fs::exists(folder.path() / "out")) << words.back();
-  }
+TEST_F(AccuracyCommand, RefusesBadInputWithOneLineBeforeAnyWork) {
+  folder_.write("plan.toml", kPlan + "[settings.bad.render.ray_casting]\nbuffer_length = 3\n");
+  folder_.write("none.toml", "seeds = 3\n[settings.paper]\n");
+  expect_refusals({{"accuracy plan.toml", "buffer_length = 3: "},
+                   {"accuracy none.toml", "none.toml: "},
+                   {"accuracy missing.toml", "missing.toml: "},
+                   {"accuracy --seeds -1", "--seeds = -1: "},
+                   {"accuracy --settings missing.toml", "missing.toml: "}});
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 
 #include "base/user_error.h"
 #include "bench/exchange/program/renderer_process.h"
+#include "tests/support/expect.h"
 #include "tests/support/folder_test.h"
 
 namespace wobblebench::bench {
@@ -19,17 +20,14 @@ class PlanFile : public testing_support::FolderTest {
     return folder_ / name;
   }
   std::string refusal(const std::string& text) {
-    try {
+    return refusal_of<UserError>([&] {
       const AccuracyPlan plan = load_accuracy_plan(write(text));
       for (const auto& scene : plan.scenes) {
         for (const auto& setting : plan.settings) {
           for (const sim::Rung rung : plan.rungs) planned_scene(plan, scene, setting, rung, {});
         }
       }
-    } catch (const UserError& error) {
-      return error.what();
-    }
-    return "";
+    });
   }
 };
 
@@ -103,8 +101,8 @@ TEST_F(PlanFile, IsRefusedWithKeyAndWhatIsAllowed) {
       {"[scenes.ball]\nfile = 3\n" + none, "scenes.ball.file: must be a text"}};
   for (const auto& [text, words] : cases) {
     const std::string line = refusal(text);
-    EXPECT_NE(line.find(words), std::string::npos) << text << "\n" << line;
-    EXPECT_EQ(line.find('\n'), std::string::npos) << line;
+    EXPECT_TRUE(holds(line, words)) << text << "\n";
+    EXPECT_FALSE(holds(line, "\n"));
   }
 }
 

@@ -8,10 +8,11 @@
 namespace wobblebench::bench {
 namespace {
 
-TEST(ExtremesCommand, EveryCaseDoesWhatItMust) {
-  const ScratchFolder folder;
+using ExtremesCommand = InFolder;
+
+TEST_F(ExtremesCommand, EveryCaseDoesWhatItMust) {
   // It keeps a hundred phantoms, which no other start would read.
-  const auto result = bench({"extremes", "--json"}, folder, {.no_cache = true});
+  const auto result = bench("extremes --json", {}, {.no_cache = true});
   const auto report = nlohmann::json::parse(result.out);
   EXPECT_EQ(result.exit_code, 0);
   EXPECT_EQ(report.at("command"), "extremes");
@@ -21,16 +22,12 @@ TEST(ExtremesCommand, EveryCaseDoesWhatItMust) {
     EXPECT_TRUE(outcome.at("passed")) << outcome.dump();
   }
   EXPECT_EQ(extremes.at("failed"), 0);
-  EXPECT_EQ(folder.files("out"),
-            (Words{"extremes.csv", "extremes.md", "report.html", "report.json"}));
+  EXPECT_EQ(folder_.files("out"), words_of("extremes.csv extremes.md report.html report.json"));
 }
 
-TEST(ExtremesCommand, RefusesABadSeedBeforeAnyWork) {
-  const ScratchFolder folder;
-  const auto result = bench({"extremes", "--seed", "-1"}, folder);
-  EXPECT_EQ(result.exit_code, 2);
-  EXPECT_EQ(result.err.find("wobblebench: --seed = -1: "), 0U) << result.err;
-  EXPECT_TRUE(folder.files().empty());
+TEST_F(ExtremesCommand, RefusesABadSeedBeforeAnyWork) {
+  expect_refused(bench("extremes --seed -1"), "wobblebench: --seed = -1: ");
+  EXPECT_TRUE(folder_.files().empty());
 }
 
 }  // namespace

@@ -5,6 +5,8 @@
 
 #include <cmath>
 
+#include "tests/support/expect.h"
+
 namespace wobblebench::bench {
 namespace {
 
@@ -26,14 +28,14 @@ ResidualPicture picture(double most_mm) {
 TEST(FitPictures, ColoursEndJustAboveNearlyAllErrors) {
   EXPECT_NEAR(residuals_limit_mm(picture(1)), 1, 1e-9);       // 98th percentile: 0.98 mm
   EXPECT_NEAR(residuals_limit_mm(picture(0.13)), 0.2, 1e-9);  // 0.127 mm
-  EXPECT_NE(residuals_caption(picture(0.13)).find("±0.2 mm"), std::string::npos);
+  EXPECT_TRUE(holds(residuals_caption(picture(0.13)), "±0.2 mm"));
 }
 
 TEST(FitPictures, WithoutASurfaceTheySaySo) {
   ResidualPicture empty = picture(1);
   empty.error_m = empty.bias_m;
   EXPECT_EQ(residuals_limit_mm(empty), 1);
-  EXPECT_NE(residuals_caption(empty).find("no error to show"), std::string::npos);
+  EXPECT_TRUE(holds(residuals_caption(empty), "no error to show"));
 }
 
 TEST(FitCharts, FoundAndCorrectedDifferInMarkStrokeAndColour) {

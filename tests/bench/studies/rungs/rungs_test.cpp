@@ -7,6 +7,7 @@
 #include "bench/studies/rungs/rung_comparison.h"
 #include "bench/studies/rungs/rungs_report.h"
 #include "bench/studies/validate/common/scan.h"
+#include "tests/support/expect.h"
 
 namespace wobblebench::bench {
 namespace {
@@ -166,7 +167,7 @@ TEST(Rungs, ChartHasATimeWithItsSpreadForEachBodyAndRung) {
 TEST(Rungs, DocumentHasNoErrorWhereNoStickMeetsASurface) {
   const auto document = rungs_document(made_up_results(), {});
   const auto text = markdown(document);
-  EXPECT_NE(text.find("No stick meets a surface of fog:"), std::string::npos) << text;
+  EXPECT_TRUE(holds(text, "No stick meets a surface of fog:"));
   EXPECT_EQ(document.data.front().file, "rungs_errors.csv");
   const Table& errors = document.data.front().table;
   EXPECT_EQ(errors.rows.front().at(0).text(), "ball");

@@ -11,25 +11,15 @@ namespace {
 using Json = nlohmann::json;
 
 /// Small, but with a surface far from its silhouette.
-const Words kBall = {"--set",
-                     "phantom.name=sphere",
-                     "--set",
-                     "phantom.voxel_mm=2",
-                     "--set",
-                     "acquisition.frames_per_volume=13",
-                     "--set",
-                     "acquisition.sticks_per_frame=24",
-                     "--set",
-                     "render.ray_casting.image_size=64",
-                     "--set",
-                     "render.scan_conversion.slice_size=64"};
+const Words kBall =
+    set("phantom.name=sphere phantom.voxel_mm=2 acquisition.frames_per_volume=13 "
+        "acquisition.sticks_per_frame=24 render.ray_casting.image_size=64 "
+        "render.scan_conversion.slice_size=64");
 
-class Tolerance : public ::testing::Test {
+class Tolerance : public InFolder {
  protected:
   ProcessResult run(const std::string& tolerance, const Words& more = {}) const {
-    ProcessLimits limits;
-    limits.cache_home = folder_.path() / "cache";
-    return bench(with({"run", "--tolerance", tolerance, "--json"}, {kBall, more}), folder_, limits);
+    return bench("run --json --tolerance " + tolerance, {kBall, more});
   }
   static const Json& outside_silhouettes(const Json& report) {
     for (const Json& region : report.at("error").at("regions")) {
@@ -37,14 +27,10 @@ class Tolerance : public ::testing::Test {
     }
     throw std::out_of_range("no region outside the silhouettes");
   }
-
-  ScratchFolder folder_;
 };
 
 TEST_F(Tolerance, IsKeptByTheFastestSettingThatHolds) {
-  const auto result = run("20mm");
-  ASSERT_EQ(result.exit_code, 0) << result.err;
-  const Json report = Json::parse(result.out), tolerance = report.at("tolerance");
+  const auto report = report_of(run("20mm")), tolerance = report.at("tolerance");
   EXPECT_TRUE(tolerance.at("promised"));
   EXPECT_TRUE(tolerance.at("held"));
   Json measured = report.at("timing").at("tolerance").at("measured");
@@ -59,21 +45,17 @@ TEST_F(Tolerance, IsKeptByTheFastestSettingThatHolds) {
 
 TEST_F(Tolerance, ThatNoSettingKeepsEndsWithOneLineAndTheMostAccuratePicture) {
   const auto result = run("0.01mm");
-  EXPECT_EQ(result.exit_code, 1);
-  EXPECT_NE(result.err.find("--tolerance = 0.01mm: no setting keeps it"), std::string::npos)
-      << result.err;
+  expect_line(result, 1, "--tolerance = 0.01mm: no setting keeps it");
   const Json tolerance = Json::parse(result.out).at("tolerance");
   EXPECT_FALSE(tolerance.at("promised"));
   EXPECT_FALSE(tolerance.at("held"));
   EXPECT_EQ(tolerance.at("rung"), tolerance.at("finest_rung"));
-  EXPECT_TRUE(fs::exists(folder_.path() / "out/surface.png"));
+  EXPECT_TRUE(fs::exists(at("out/surface.png")));
 }
 
 TEST_F(Tolerance, LeavesTheKeysThatTheSceneNames) {
-  const auto result =
-      run("20mm", {"--set", "render.ray_casting.steps=77", "--set", "simulation.fidelity=field"});
-  ASSERT_EQ(result.exit_code, 0) << result.err;
-  const Json report = Json::parse(result.out);
+  const auto report =
+      report_of(run("20mm", set("render.ray_casting.steps=77 simulation.fidelity=field")));
   EXPECT_EQ(report.at("scene").at("render").at("ray_casting").at("steps"), 77);
   EXPECT_EQ(report.at("simulation").at("rung"), "field");
   EXPECT_TRUE(report.at("tolerance").at("rungs").empty());
@@ -95,18 +77,12 @@ TEST_F(Tolerance, ChoosesTheSameFromWhatWasMeasuredBeforeForAnother) {
 }
 
 TEST_F(Tolerance, IsRefusedByOneLineBeforeAnyWork) {
-  const std::vector<std::pair<Words, std::string>> wrong = {
-      {{"--tolerance", "0.5"}, "--tolerance = 0.5: must be 0.01mm to 100mm"},
-      {{"--tolerance", "-1mm"}, "--tolerance = -1mm: must be"},
-      {{"--tolerance", "nanmm"}, "--tolerance = nanmm: must be"},
-      {{"--tolerance", "1mm", "--board", "file=none.wbst"}, "--tolerance: needs --board sim"},
-      {{"--tolerance", "1mm", "--set", "render.preset=baseline"}, "leave render.preset out"}};
-  for (const auto& [words, line] : wrong) {
-    const auto result = bench(with({"run"}, {words}), folder_);
-    EXPECT_EQ(result.exit_code, 2) << line;
-    EXPECT_NE(result.err.find(line), std::string::npos) << result.err;
-    EXPECT_FALSE(fs::exists(folder_.path() / "out")) << line;
-  }
+  expect_refusals(
+      {{"run --tolerance 0.5", "--tolerance = 0.5: must be 0.01mm to 100mm"},
+       {"run --tolerance -1mm", "--tolerance = -1mm: must be"},
+       {"run --tolerance nanmm", "--tolerance = nanmm: must be"},
+       {"run --tolerance 1mm --board file=none.wbst", "--tolerance: needs --board sim"},
+       {"run --tolerance 1mm --set render.preset=baseline", "leave render.preset out"}});
 }
 
 }  // namespace

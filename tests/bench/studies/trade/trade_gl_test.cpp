@@ -55,21 +55,19 @@ Words shell_words(std::string html) {
   return result;
 }
 
-class Trade : public ::testing::Test {
+class Trade : public InFolder {
  protected:
   Trade() { folder_.write("plan.toml", kPlan); }
   ProcessResult trade(const Words& more, const ProcessLimits& limits = {}) const {
-    return bench(with({"trade", "plan.toml"}, {more}), folder_, limits);
+    return bench("trade plan.toml", {more}, limits);
   }
-  std::string file(const std::string& name) const { return bytes_of(folder_.path() / name); }
+  std::string file(const std::string& name) const { return bytes_of(at(name)); }
 
-  ScratchFolder folder_;
+  static fs::path whole() { return result_of({"trade", "plan.toml"}, {{"plan.toml", kPlan}}); }
 };
 
 TEST_F(Trade, MeasuresEveryPointAndSaysWhatItFound) {
-  const auto result = trade({"--json"});
-  ASSERT_EQ(result.exit_code, 0) << result.err;
-  const auto report = nlohmann::json::parse(result.out);
+  const auto report = nlohmann::json::parse(bytes_of(whole() / "report.json"));
   EXPECT_EQ(report.at("command"), "trade");
   EXPECT_EQ(report.at("trade").at("measurements"), kMeasurements);
   EXPECT_EQ(report.at("timing").at("machines").size(), 1U);
@@ -78,26 +76,24 @@ TEST_F(Trade, MeasuresEveryPointAndSaysWhatItFound) {
   }
   for (const char* name :
        {"trade.csv", "trade.md", "trade_ball.vl.json", "points.jsonl", "report.html"}) {
-    EXPECT_TRUE(fs::exists(folder_.path() / "out" / name)) << name;
+    EXPECT_TRUE(fs::exists(whole() / name)) << name;
   }
 }
 
 TEST_F(Trade, ShardsMergedAreOneRun) {
-  ASSERT_EQ(trade({"--out", "whole"}).exit_code, 0);
   for (const std::string shard : {"1", "2", "3"}) {
     const auto part = trade({"--shard", shard + "/3", "--out", "s" + shard});
     ASSERT_EQ(part.exit_code, 0) << part.err;
     EXPECT_FALSE(fs::exists(folder_.path() / ("s" + shard) / "trade.csv"));
     EXPECT_FALSE(fs::exists(folder_.path() / ("s" + shard) / "report.html"));
   }
-  const auto early = trade({"--merge", "s1", "--merge", "s3", "--out", "early"});
-  EXPECT_EQ(early.exit_code, 2);
-  EXPECT_NE(early.err.find("--merge: 8 of 24 measurements are in none"), std::string::npos)
-      << early.err;
-  EXPECT_FALSE(fs::exists(folder_.path() / "early"));
-  const auto merged = trade({"--merge", "s3", "--merge", "s1", "--merge", "s2", "--out", "merged"});
+  const auto early = trade(words_of("--merge s1 --merge s3 --out early"));
+  expect_line(early, 2, "--merge: 8 of 24 measurements are in none");
+  EXPECT_FALSE(fs::exists(at("early")));
+  const auto merged = trade(words_of("--merge s3 --merge s1 --merge s2 --out merged"));
   ASSERT_EQ(merged.exit_code, 0) << merged.err;
-  EXPECT_EQ(without_times(file("merged/trade.csv")), without_times(file("whole/trade.csv")));
+  EXPECT_EQ(without_times(file("merged/trade.csv")),
+            without_times(bytes_of(whole() / "trade.csv")));
 }
 
 /// Killed at any moment, it goes on where it was: no measurement is lost but the one in flight, and
@@ -105,14 +101,13 @@ TEST_F(Trade, ShardsMergedAreOneRun) {
 TEST_F(Trade, KilledAtAnyMomentItGoesOn) {
   const char* setting = std::getenv("WOBBLEBENCH_KILLS");
   const int kills = setting == nullptr ? 4 : std::atoi(setting);
-  ASSERT_EQ(trade({"--out", "whole"}).exit_code, 0);
-  const fs::path journal = folder_.path() / "killed/points.jsonl";
+  const fs::path journal = at("killed/points.jsonl");
   const auto size = [&] {
     std::error_code none;
     const auto bytes = fs::file_size(journal, none);
     return none ? std::uintmax_t{0} : bytes;
   };
-  const std::uintmax_t all = fs::file_size(folder_.path() / "whole/points.jsonl");
+  const std::uintmax_t all = fs::file_size(whole() / "points.jsonl");
   std::string kept;
   for (int kill = 0; kill < kills; ++kill) {
     ProcessLimits limits;
@@ -129,28 +124,25 @@ TEST_F(Trade, KilledAtAnyMomentItGoesOn) {
   const auto finished = trade({"--out", "killed"});
   ASSERT_EQ(finished.exit_code, 0);
   const auto measured = std::count(kept.begin(), kept.end(), '\n') - 2;
-  EXPECT_NE(
-      finished.err.find("wobblebench: went on with " + std::to_string(measured) + " measurement"),
-      std::string::npos)
-      << finished.err;
+  EXPECT_TRUE(holds(finished.err,
+                    "wobblebench: went on with " + std::to_string(measured) + " measurement"));
   const std::string last = file("killed/points.jsonl");
   EXPECT_EQ(static_cast<std::size_t>(std::count(last.begin(), last.end(), '\n')),
             kMeasurements + 2);  // the plan, the machine
-  EXPECT_EQ(without_times(file("killed/trade.csv")), without_times(file("whole/trade.csv")));
+  EXPECT_EQ(without_times(file("killed/trade.csv")),
+            without_times(bytes_of(whole() / "trade.csv")));
 }
 
 /// The command that the page shows of a point makes the picture that was measured.
 TEST_F(Trade, ThePageNamesTheCommandOfAPoint) {
-  ASSERT_EQ(trade({"--out", "whole"}).exit_code, 0);
-  const std::string page = file("whole/report.html");
+  const std::string page = bytes_of(whole() / "report.html");
   const auto detail = page.find("<template class=\"detail\" data-id=\"point-0\">");
   ASSERT_NE(detail, std::string::npos);
   const std::string begin = "<pre class=\"command\">wobblebench ";
   const auto at = page.find(begin, detail) + begin.size();
   const Words words = shell_words(page.substr(at, page.find('<', at) - at));
-  const auto run = bench(with(words, {{"--json"}}), folder_, {});
-  ASSERT_EQ(run.exit_code, 0) << run.err;
-  std::istringstream csv(file("whole/trade.csv"));
+  const auto run = report_of(bench(with(words, {{"--json"}})));
+  std::istringstream csv(bytes_of(whole() / "trade.csv"));
   std::string names, first;
   std::getline(csv, names);
   std::getline(csv, first);
@@ -164,7 +156,7 @@ TEST_F(Trade, ThePageNamesTheCommandOfAPoint) {
   const auto all = cells(names);
   const auto column =
       static_cast<std::size_t>(std::find(all.begin(), all.end(), "p95_mm") - all.begin());
-  const double p95_mm = nlohmann::json::parse(run.out).at("error").at("depth_mm").at("p95");
+  const double p95_mm = run.at("error").at("depth_mm").at("p95");
   EXPECT_NEAR(std::stod(cells(first).at(column)), p95_mm, 1e-6 * p95_mm);
 }
 
@@ -175,32 +167,24 @@ TEST_F(Trade, ACombinationThatIsRefusedIsAResult) {
                     "render.preset = \"baseline\"\n"
                     "[axes]\n\"render.pipeline.mid_volume\" = [false, true]\n"
                     "\"render.reconstruction.sticks\" = [\"plain\", \"aligned\"]\n");
-  const auto result = trade({"--json"});
-  ASSERT_EQ(result.exit_code, 0) << result.err;
-  EXPECT_EQ(nlohmann::json::parse(result.out).at("trade").at("refused_points"), 1);
-  EXPECT_NE(file("out/trade.csv").find("mid_volume = true: "), std::string::npos);
+  EXPECT_EQ(report_of(trade({"--json"})).at("trade").at("refused_points"), 1);
+  EXPECT_TRUE(holds(file("out/trade.csv"), "mid_volume = true: "));
 }
 
 TEST_F(Trade, RefusesBadInputWithOneLineBeforeAnyWork) {
   folder_.write("level.toml",
                 "[scenes.ball]\n" + kScene + "[axes]\n\"render.ray_casting.steps\" = [64, 0]\n");
   folder_.write("key.toml", "[scenes.ball]\n" + kScene + "[axes]\n\"render.x.y\" = [1, 2]\n");
-  for (const Words& words : {Words{"trade"},
-                             Words{"trade", "missing.toml"},
-                             Words{"trade", "level.toml"},
-                             Words{"trade", "key.toml"},
-                             Words{"trade", "plan.toml", "--shard", "0/3"},
-                             Words{"trade", "plan.toml", "--shard", "4/3"},
-                             Words{"trade", "plan.toml", "--shard", "1/3x"},
-                             Words{"trade", "plan.toml", "--shard", "2"},
-                             Words{"trade", "plan.toml", "--shard", "1/2", "--merge", "x"},
-                             Words{"trade", "plan.toml", "--set", "simulation.seed=x"}}) {
-    const auto result = bench(words, folder_);
-    EXPECT_EQ(result.exit_code, 2) << words.back();
-    EXPECT_EQ(result.err.find("wobblebench: "), 0U) << result.err;
-    EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1) << result.err;
-    EXPECT_FALSE(fs::exists(folder_.path() / "out")) << words.back();
-  }
+  expect_refusals({{"trade", "PLAN"},
+                   {"trade missing.toml", "missing.toml: "},
+                   {"trade level.toml", "render.ray_casting.steps = 0: "},
+                   {"trade key.toml", "render.x: unknown"},
+                   {"trade plan.toml --shard 0/3", "--shard = 0/3: "},
+                   {"trade plan.toml --shard 4/3", "--shard = 4/3: "},
+                   {"trade plan.toml --shard 1/3x", "--shard = 1/3x: "},
+                   {"trade plan.toml --shard 2", "--shard = 2: "},
+                   {"trade plan.toml --shard 1/2 --merge x", "--merge"},
+                   {"trade plan.toml --set simulation.seed=x", "simulation.seed"}});
 }
 
 TEST_F(Trade, LeavesOutScenesOfAPopulationThatCannotBeBuilt) {
@@ -218,14 +202,13 @@ TEST_F(Trade, LeavesOutScenesOfAPopulationThatCannotBeBuilt) {
   folder_.write("drawn.toml",
                 "population = \"population.toml\"\nper_stratum = 1\nseeds = 1\nrepeats = 1\n"
                 "[axes]\n\"render.ray_casting.steps\" = [32, 64]\n");
-  const ProcessResult result = bench({"trade", "drawn.toml", "--out", "out"}, folder_);
-  ASSERT_EQ(result.exit_code, 0) << result.err;
-  EXPECT_NE(result.err.find("scene none-"), std::string::npos) << result.err;
-  EXPECT_NE(result.err.find("is left out: phantom.file"), std::string::npos) << result.err;
-  const std::string csv = bytes_of(folder_.path() / "out/trade.csv");
+  const ProcessResult result = bench("trade drawn.toml --out out");
+  expect_line(result, 0, "scene none-");
+  EXPECT_TRUE(holds(result.err, "is left out: phantom.file"));
+  const std::string csv = bytes_of(at("out/trade.csv"));
   EXPECT_EQ(std::ranges::count(csv, '\n'), 3) << csv;  // a head and two points
-  EXPECT_NE(csv.find("ball-"), std::string::npos);
-  EXPECT_EQ(csv.find("none-"), std::string::npos);
+  EXPECT_TRUE(holds(csv, "ball-"));
+  EXPECT_FALSE(holds(csv, "none-"));
 }
 
 }  // namespace

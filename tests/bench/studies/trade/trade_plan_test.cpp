@@ -10,6 +10,7 @@
 #include <set>
 
 #include "base/user_error.h"
+#include "tests/support/expect.h"
 #include "tests/support/plan_file_test.h"
 
 namespace wobblebench::bench {
@@ -69,10 +70,8 @@ TEST_F(TradePlanFile, APopulationGivesOneHalfToMeasureOnAndTheOtherToJudgeOn) {
   EXPECT_EQ(names.size(), 8U);
   const TradePlan other = load(drawn + "half = \"judge\"\n" + kAxes);
   EXPECT_EQ(other.scenes.at(0).name, plan.unseen.at(0).name);
-  EXPECT_NE(refusal(drawn + kBall + kAxes).find("scenes: is drawn by the population"),
-            std::string::npos);
-  EXPECT_NE(refusal("per_stratum = 2\n" + kBall + kAxes).find("acts with population alone"),
-            std::string::npos);
+  EXPECT_TRUE(holds(refusal(drawn + kBall + kAxes), "scenes: is drawn by the population"));
+  EXPECT_TRUE(holds(refusal("per_stratum = 2\n" + kBall + kAxes), "acts with population alone"));
 }
 
 TEST_F(TradePlanFile, AGridHasEveryCombinationOnce) {
@@ -182,8 +181,8 @@ TEST_F(TradePlanFile, IsRefusedWithKeyAndWhatIsAllowed) {
       {sampled + kBall + "[axes]\n\"a.b\" = { from = 0, to = 1, step = 2 }\n", "step: unknown"}};
   for (const auto& [text, words] : cases) {
     const std::string line = refusal(text);
-    EXPECT_NE(line.find(words), std::string::npos) << text << "\n" << line;
-    EXPECT_EQ(line.find('\n'), std::string::npos) << line;
+    EXPECT_TRUE(holds(line, words)) << text << "\n";
+    EXPECT_FALSE(holds(line, "\n"));
   }
 }
 

@@ -13,6 +13,7 @@
 #include "bench/studies/trade/trade_analysis.h"
 #include "bench/studies/trade/trade_study.h"
 #include "tests/support/bytes_of.h"
+#include "tests/support/expect.h"
 #include "tests/support/folder_test.h"
 
 namespace wobblebench::bench {
@@ -170,12 +171,8 @@ class Journal : public testing_support::FolderTest {
     }
   }
   void expect_refused(const std::string& reason) const {
-    try {
-      const TradeJournal journal(folder_, "plan");
-      ADD_FAILURE() << "taken";
-    } catch (const UserError& error) {
-      EXPECT_NE(std::string(error.what()).find(reason), std::string::npos) << error.what();
-    }
+    EXPECT_TRUE(
+        holds(refusal_of<UserError>([&] { const TradeJournal journal(folder_, "plan"); }), reason));
   }
 };
 

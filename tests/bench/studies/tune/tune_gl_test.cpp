@@ -31,25 +31,23 @@ const std::string kPlan = "design = \"sobol\"\npoints = 4\nseeds = 1\nrepeats = 
                           "[axes]\n\"render.ray_casting.steps\" = [32, 64, 128]\n"
                           "\"render.ray_casting.iso_level\" = { from = 0.5, to = 0.9 }\n";
 
-class Tune : public ::testing::Test {
+class Tune : public InFolder {
  protected:
   Tune() { folder_.write("plan.toml", kPlan); }
   ProcessResult tune(const Words& more, const ProcessLimits& limits = {}) const {
-    return bench(with({"tune", "plan.toml", "--fresh-seeds", "2"}, {more}), folder_, limits);
+    return bench("tune plan.toml --fresh-seeds 2", {more}, limits);
   }
-
-  ScratchFolder folder_;
 };
 
 TEST_F(Tune, WritesASceneThatHoldsWhatWasAsked) {
-  const auto result = tune({"--limit", "p95_mm<=20", "--evaluations", "30", "--json"});
-  ASSERT_EQ(result.exit_code, 0) << result.err;
-  const auto report = nlohmann::json::parse(result.out).at("timing").at("tune");
+  const auto report = report_of(tune(words_of("--limit p95_mm<=20 --evaluations 30 --json")))
+                          .at("timing")
+                          .at("tune");
   EXPECT_LE(report.at("measured_points"), 30);
   EXPECT_FALSE(report.at("chosen").is_null());
   EXPECT_LE(report.at("candidates").back().at("fresh").at("p95_mm").at("mean"), 20);
   EXPECT_FALSE(report.at("unseen").at("flat").is_null());
-  ASSERT_TRUE(fs::exists(folder_.path() / "out/tuned.toml"));
+  ASSERT_TRUE(fs::exists(at("out/tuned.toml")));
   // The whole scene that was measured: on the same seeds it has the promised error.
   double sum = 0;
   for (const char* const seed : {"2", "3"}) {
@@ -60,7 +58,6 @@ TEST_F(Tune, WritesASceneThatHoldsWhatWasAsked) {
                             "--out",
                             "run",
                             "--json"},
-                           folder_,
                            {});
     ASSERT_EQ(run.exit_code, 0) << run.err;
     sum += nlohmann::json::parse(run.out).at("error").at("depth_mm").at("p95").get<double>();
@@ -97,43 +94,38 @@ TEST_F(Tune, SearchesAndWritesInTheUnitsOfTheKeys) {
 }
 
 TEST_F(Tune, SaysThatNothingWasFoundAndWritesNoScene) {
-  const auto result = tune({"--limit", "p95_mm<=0.0001", "--evaluations", "5"});
+  const auto result = tune(words_of("--limit p95_mm<=0.0001 --evaluations 5"));
   EXPECT_EQ(result.exit_code, 1);
-  EXPECT_NE(result.out.find("No setting met the limits"), std::string::npos) << result.out;
-  EXPECT_NE(result.out.find("\nNearest: point "), std::string::npos) << result.out;
+  EXPECT_TRUE(holds(result.out, "No setting met the limits"));
+  EXPECT_TRUE(holds(result.out, "\nNearest: point "));
   // The setting that came nearest, the value that it reached, the limit and by how much it is
   // above.
   const std::regex nearest(
       "wobblebench: tune: no setting was found within the limits; nearest: point [0-9]+ "
       "\\([a-z_]+ [0-9.]+, .*\\): p95_mm [0-9.]+ of at most 0.0001 \\([0-9.e+]+ % above\\)\n");
   EXPECT_TRUE(std::regex_search(result.err, nearest)) << result.err;
-  EXPECT_FALSE(fs::exists(folder_.path() / "out/tuned.toml"));
-  EXPECT_TRUE(fs::exists(folder_.path() / "out/tune.md"));
+  EXPECT_FALSE(fs::exists(at("out/tuned.toml")));
+  EXPECT_TRUE(fs::exists(at("out/tune.md")));
 }
 
 TEST_F(Tune, StartsFromATradeOfThePlanAndFromNoOther) {
-  ASSERT_EQ(bench({"trade", "plan.toml", "--out", "traded"}, folder_, {}).exit_code, 0);
-  const auto result =
-      tune({"--limit", "p95_mm<=20", "--evaluations", "0", "--trade", "traded", "--json"});
-  ASSERT_EQ(result.exit_code, 0) << result.err;
-  const auto report = nlohmann::json::parse(result.out);
+  fs::copy(result_of({"trade", "plan.toml"}, {{"plan.toml", kPlan}}), at("traded"));
+  const auto report =
+      report_of(tune(words_of("--limit p95_mm<=20 --evaluations 0 --trade traded --json")));
   EXPECT_EQ(report.at("tune").at("known_points"), 4);
   EXPECT_EQ(report.at("timing").at("tune").at("measured_points"), 0);
   folder_.write("plan.toml", kPlan + "\"render.ray_casting.threshold\" = [1, 2]\n");
-  const auto other = tune({"--limit", "p95_mm<=20", "--trade", "traded"});
-  EXPECT_EQ(other.exit_code, 2);
-  EXPECT_NE(other.err.find("--trade = traded: "), std::string::npos) << other.err;
+  expect_line(tune(words_of("--limit p95_mm<=20 --trade traded")), 2, "--trade = traded: ");
 }
 
 /// Killed, it goes on with what it had measured, and its end is that of a command that was not.
 TEST_F(Tune, KilledItGoesOnWithWhatItMeasured) {
-  const fs::path journal = folder_.path() / "out/tune_points.jsonl";
+  const fs::path journal = at("out/tune_points.jsonl");
   const auto lines = [&] {
     const std::string text = fs::exists(journal) ? bytes_of(journal) : "";
     return std::count(text.begin(), text.end(), '\n');
   };
-  const Words words = {
-      "--limit", "p95_mm<=20", "--least", "rms_mm", "--evaluations", "12", "--json"};
+  const Words words = words_of("--limit p95_mm<=20 --least rms_mm --evaluations 12 --json");
   ProcessLimits limits;
   limits.signal = SIGKILL;
   limits.interrupt_when = [&] { return lines() >= 7; };  // the plan, the machine
@@ -142,10 +134,8 @@ TEST_F(Tune, KilledItGoesOnWithWhatItMeasured) {
   const auto measured = std::count(kept.begin(), kept.end(), '\n') - 2;
   const auto second = tune(words);
   ASSERT_EQ(second.exit_code, 0) << second.err;
-  EXPECT_NE(
-      second.err.find("wobblebench: went on with " + std::to_string(measured) + " measurements"),
-      std::string::npos)
-      << second.err;
+  EXPECT_TRUE(
+      holds(second.err, "wobblebench: went on with " + std::to_string(measured) + " measurements"));
   EXPECT_EQ(bytes_of(journal).substr(0, kept.size()), kept) << "measured once";
   const auto report = nlohmann::json::parse(second.out);
   EXPECT_EQ(report.at("provenance").at("went_on_with"), measured);
@@ -156,28 +146,25 @@ TEST_F(Tune, KilledItGoesOnWithWhatItMeasured) {
 }
 
 TEST_F(Tune, RefusesWhatItCannotSearch) {
-  const auto refused = [&](const Words& words, const std::string& line) {
-    const auto result = tune(words);
-    EXPECT_EQ(result.exit_code, 2);
-    EXPECT_NE(result.err.find(line), std::string::npos) << result.err;
-    EXPECT_FALSE(fs::exists(folder_.path() / "out"));
-  };
-  refused({}, "--limit: must be given");
-  refused({"--limit", "p95<=2"}, "--limit = p95: must be one of volume_ms");
-  refused({"--limit", "p95_mm=2"}, "--limit = p95_mm=2: must be NAME<=NUMBER");
-  refused({"--limit", "p95_mm<=2", "--least", "speed"}, "--least = speed: must be one of");
-  refused({"--limit", "p95_mm<=2", "--evaluations", "-1"}, "--evaluations = -1");
+  const std::string limited = "tune plan.toml --limit p95_mm<=2";
+  expect_refusals({{"tune plan.toml", "--limit: must be given"},
+                   {"tune plan.toml --limit p95<=2", "--limit = p95: must be one of volume_ms"},
+                   {"tune plan.toml --limit p95_mm=2", "--limit = p95_mm=2: must be NAME<=NUMBER"},
+                   {words_of(limited + " --least speed"), "--least = speed: must be one of"},
+                   {words_of(limited + " --evaluations -1"), "--evaluations = -1"},
+                   {"tune plan.toml --requests 3", "--requests: needs --trade"},
+                   {words_of(limited + " --requests 3 --trade x"), "leave --limit out"}});
   folder_.write("plan.toml", kPlan + "[unseen.other.phantom]\nname = \"cube\"\n");
-  refused({"--limit", "p95_mm<=2"}, "phantom.name = \"cube\"");
+  expect_refused(bench(limited), "phantom.name = \"cube\"");
 }
 
 /// Each is drawn above the errors of a point of the trade, on other seeds: some hold, some may not.
 TEST_F(Tune, JudgesManyRequestsOnSeedsThatChoseNothing) {
-  ASSERT_EQ(bench({"trade", "plan.toml", "--out", "traded"}, folder_, {}).exit_code, 0);
-  const auto result = tune(
-      {"--trade", "traded", "--requests", "3", "--evaluations", "2", "--json", "--out", "judged"});
-  ASSERT_EQ(result.exit_code, 0) << result.err;
-  const auto requests = nlohmann::json::parse(result.out).at("timing").at("requests");
+  fs::copy(result_of({"trade", "plan.toml"}, {{"plan.toml", kPlan}}), at("traded"));
+  const auto requests =
+      report_of(tune(words_of("--trade traded --requests 3 --evaluations 2 --json --out judged")))
+          .at("timing")
+          .at("requests");
   ASSERT_EQ(requests.size(), 3U);
   for (const auto& request : requests) {
     const auto& answers = request.at("answers");
@@ -201,12 +188,11 @@ TEST_F(Tune, AsksOfEachSceneInTurnWhatItsOwnFrontAllows) {
   std::string plan = kPlan;
   plan.replace(plan.find("unseen.flat"), 6, "scenes");
   folder_.write("plan.toml", plan);
-  ASSERT_EQ(bench({"trade", "plan.toml", "--out", "traded"}, folder_, {}).exit_code, 0);
-  const auto result =
-      tune({"--trade", "traded", "--requests", "2", "--evaluations", "0", "--json"});
+  ASSERT_EQ(bench("trade plan.toml --out traded").exit_code, 0);
+  const auto result = tune(words_of("--trade traded --requests 2 --evaluations 0 --json"));
   ASSERT_EQ(result.exit_code, 0) << result.err;
   std::vector<double> p95_mm[2];
-  std::ifstream journal(folder_.path() / "traded/points.jsonl");
+  std::ifstream journal(at("traded/points.jsonl"));
   for (std::string line; std::getline(journal, line);) {
     const auto record = nlohmann::json::parse(line);
     if (record.contains("p95_mm"))
@@ -221,15 +207,6 @@ TEST_F(Tune, AsksOfEachSceneInTurnWhatItsOwnFrontAllows) {
     EXPECT_GE(limit, *least * 0.999999);
     EXPECT_LE(limit, *most * 1.3);
   }
-}
-
-TEST_F(Tune, RefusesRequestsWithoutATradeOrWithALimit) {
-  const auto without = tune({"--requests", "3"});
-  EXPECT_EQ(without.exit_code, 2);
-  EXPECT_NE(without.err.find("--requests: needs --trade"), std::string::npos) << without.err;
-  const auto both = tune({"--requests", "3", "--trade", "x", "--limit", "p95_mm<=2"});
-  EXPECT_EQ(both.exit_code, 2);
-  EXPECT_NE(both.err.find("leave --limit out"), std::string::npos) << both.err;
 }
 
 }  // namespace

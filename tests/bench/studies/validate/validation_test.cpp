@@ -1,11 +1,11 @@
 // The validation documents, and the commands validate and rungs.
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
 #include "bench/studies/validate/validation.h"
+#include "tests/support/expect.h"
 #include "tests/support/process.h"
 
 namespace wobblebench::bench {
@@ -39,7 +39,7 @@ TEST(Validation, WhatAStudyThrowsIsACheckThatFailed) {
   EXPECT_FALSE(report.checks.front().passed());
   EXPECT_EQ(report.checks.front().name, "broken.ran");
   EXPECT_EQ(failed_checks({report}), 1);
-  EXPECT_NE(markdown(validation_document({report}, {})).find("a\\nb"), std::string::npos);
+  EXPECT_TRUE(holds(markdown(validation_document({report}, {})), "a\\nb"));
 }
 
 StudyReport example() {
@@ -60,7 +60,7 @@ TEST(Validation, DocumentNamesFailuresAndHasEveryPoint) {
                            "1.05 mm | 1 ± 0.1",
                            "tests/yardstick",
                            "## Not modelled"}) {
-    EXPECT_NE(text.find(part), std::string::npos) << part << " in " << text;
+    EXPECT_TRUE(holds(text, part)) << part << " in ";
   }
   ASSERT_EQ(document.data.size(), 1u);
   EXPECT_EQ(csv(document.data.front().table),
@@ -82,14 +82,11 @@ TEST(Validation, ReportHasNameOutcomeDetail) {
 TEST(ValidateCommand, WritesMarkdownPointsFiguresAndReport) {
   const ScratchFolder folder;
   const auto result =
-      run_process(WOBBLEBENCH_PROGRAM, {"validate", "--study", "shear", "--json"}, folder.path());
+      run_process(WOBBLEBENCH_PROGRAM, words_of("validate --study shear --json"), folder.path());
   EXPECT_EQ(result.exit_code, 0) << result.err;
-  EXPECT_EQ(folder.files("out"),
-            (Words{"report.html",
-                   "report.json",
-                   "validation.csv",
-                   "validation.md",
-                   "validation_shear.vl.json"}));
+  EXPECT_EQ(
+      folder.files("out"),
+      words_of("report.html report.json validation.csv validation.md validation_shear.vl.json"));
   const auto report = nlohmann::json::parse(result.out);
   EXPECT_EQ(report.at("command"), "validate");
   EXPECT_EQ(report.at("checks").size(), 3u);
@@ -98,7 +95,7 @@ TEST(ValidateCommand, WritesMarkdownPointsFiguresAndReport) {
 TEST(ValidateCommand, RefusesAnUnknownStudy) {
   const ScratchFolder folder;
   const auto result =
-      run_process(WOBBLEBENCH_PROGRAM, {"validate", "--study", "weather"}, folder.path());
+      run_process(WOBBLEBENCH_PROGRAM, words_of("validate --study weather"), folder.path());
   EXPECT_EQ(result.exit_code, 2);
   EXPECT_EQ(result.err.find("wobblebench: --study = weather: must be one of speckle, "), 0u)
       << result.err;
@@ -108,7 +105,7 @@ TEST(ValidateCommand, RefusesAnUnknownStudy) {
 TEST(RungsCommand, RefusesWhatItSetsItself) {
   const ScratchFolder folder;
   const auto result = run_process(
-      WOBBLEBENCH_PROGRAM, {"rungs", "--set", "simulation.fidelity=field"}, folder.path());
+      WOBBLEBENCH_PROGRAM, words_of("rungs --set simulation.fidelity=field"), folder.path());
   EXPECT_EQ(result.exit_code, 2);
   EXPECT_EQ(result.err.find("wobblebench: simulation.fidelity: is set by the command"), 0u)
       << result.err;

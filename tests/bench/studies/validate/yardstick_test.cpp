@@ -9,18 +9,16 @@
 #include <stdexcept>
 
 #include "bench/studies/validate/losses/losses.h"
+#include "tests/support/expect.h"
 
 namespace wobblebench::bench {
 namespace {
 
 std::string what_is_wrong_with(const std::string& text) {
-  try {
+  return refusal_of<std::invalid_argument>([&] {
     const CsvTable table(text);
     for (std::size_t i = 0; i < table.rows(); ++i) table.number(i, "mm");
-  } catch (const std::invalid_argument& error) {
-    return error.what();
-  }
-  return "";
+  });
 }
 
 TEST(CsvTable, HasTextAndNumbersByColumn) {
