@@ -132,11 +132,12 @@ export async function seriousFindings(page) {
     .map(({id, nodes}) => `${id}: ${nodes.map(({html}) => html).slice(0, 3).join(' ')}`);
 }
 
-/** Accessibility, and no sideways scrolling. */
-export function checkScreen(file, viewport, colorScheme) {
+/** Accessibility, no sideways scrolling, and what `check(page)` sees. */
+export function checkScreen(file, viewport, colorScheme, check = () => {}) {
   return withPage(file, async (page) => {
     assert.deepEqual(await seriousFindings(page), []);
     assert.equal(await page.evaluate(() => document.documentElement.scrollWidth), viewport.width);
+    await check(page);
   }, {viewport, colorScheme});
 }
 

@@ -4,7 +4,7 @@ import {statSync} from 'node:fs';
 import {join} from 'node:path';
 import {before, test} from 'node:test';
 
-import {checkScreens, linesOf, readMap, scratch, withPage} from './browser.js';
+import {checkScreen, desktop, linesOf, phone, readMap, scratch, withPage} from './browser.js';
 
 const folder = scratch('run');
 const report = join(folder, 'report.html');
@@ -13,7 +13,8 @@ before(() => linesOf(process.env.PAGES_PROGRAM, ['run', '--out', folder]));
 
 test('the page is accessible, fits every screen, and is below 3 MB', async () => {
   assert.ok(statSync(report).size < 3e6, `${statSync(report).size}`);
-  await checkScreens(report);
+  await checkScreen(report, desktop, 'light');
+  await checkScreen(report, phone, 'dark');
 });
 
 /** Pixels that any two runs of the test share. */

@@ -21,9 +21,15 @@
 namespace wobblebench::phantoms {
 namespace {
 
-Phantom upright_face(PhantomOptions options = {}) {
+Phantom upright(PhantomOptions options) {
   options.head_pitch_rad = options.head_yaw_rad = options.head_roll_rad = 0;
   return make_phantom(options);
+}
+
+/// Made once.
+const Phantom& upright_face() {
+  static const Phantom face = upright({});
+  return face;
 }
 
 int index_of(const Phantom& phantom, const std::string& surface) {
@@ -125,7 +131,7 @@ TEST(PartDistances, NameTheToolWhereItCuts) {
 }
 
 TEST(Labels, OfTheFaceAreWhereTheFieldHasThem) {
-  const Phantom face = upright_face();
+  const Phantom& face = upright_face();
   const auto points = landmarks_of(face);
   const LabelFinder finder(face);
   const int skin = index_of(face, "skin");
@@ -153,7 +159,7 @@ TEST(Labels, OfTheFaceAreWhereTheFieldHasThem) {
 
 // Seen from in front, without any knowledge of shapes: parts lie in the order that a face has.
 TEST(Labels, FollowEachOtherDownTheProfile) {
-  const Phantom face = upright_face();
+  const Phantom& face = upright_face();
   const LabelFinder finder(face);
   const int skin = index_of(face, "skin");
   std::vector<Part> order;
@@ -178,7 +184,7 @@ TEST(Labels, FollowEachOtherDownTheProfile) {
 }
 
 TEST(Labels, OfAMirroredFaceAreMirrored) {
-  const Phantom face = upright_face();  // identity 0 is symmetric
+  const Phantom& face = upright_face();  // identity 0 is symmetric
   const LabelFinder finder(face);
   const int skin = index_of(face, "skin");
   int compared = 0, other = 0;
@@ -198,12 +204,12 @@ TEST(Labels, OfAMirroredFaceAreMirrored) {
 }
 
 TEST(Labels, NameHandCordPlacentaAndCleft) {
-  const Phantom face = upright_face({.voxel_m = 1e-3,
-                                     .cleft_width_m = 3e-3,
-                                     .hand = HandPlace::before,
-                                     .hand_gap_m = 2e-3,
-                                     .cord = CordPlace::before,
-                                     .placenta_m = 5e-3});
+  const Phantom face = upright({.voxel_m = 1e-3,
+                                .cleft_width_m = 3e-3,
+                                .hand = HandPlace::before,
+                                .hand_gap_m = 2e-3,
+                                .cord = CordPlace::before,
+                                .placenta_m = 5e-3});
   std::map<Part, int> seen;
   const LabelFinder finder(face);
   for (const double y : steps(-40e-3, 40e-3, 1e-3)) {
@@ -226,7 +232,7 @@ TEST(Labels, NameHandCordPlacentaAndCleft) {
   EXPECT_TRUE(before.contains(Part::placenta));
   EXPECT_TRUE(before.contains(Part::uterine_wall));
   // The cleft lies behind the hand: on the skin itself, at the lip's height beside the midline.
-  const Phantom bare = upright_face({.cleft_width_m = 3e-3});
+  const Phantom bare = upright({.cleft_width_m = 3e-3});
   const LabelFinder labels(bare);
   int cleft = 0;
   for (const double y : steps(5e-3, 15e-3, 0.3e-3)) {
@@ -242,7 +248,7 @@ TEST(Labels, NameHandCordPlacentaAndCleft) {
 }
 
 TEST(Labels, WithinTheChildAreThoseOfItsTissues) {
-  const Phantom face = upright_face({.voxel_m = 1e-3});
+  const Phantom face = upright({.voxel_m = 1e-3});
   const LabelFinder finder(face);
   const auto label = [&](double x, double y, double z) {
     return static_cast<Part>(finder.at(1e-3 * glm::dvec3(x, y, z)));

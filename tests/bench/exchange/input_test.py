@@ -476,7 +476,7 @@ class Bad(Input):
                  "z.vol": (kretz(grid), {"dynamic_range_db": 60.0}), "z.hdf5": (self.zea_bytes(grid), POLAR),
                  "z.toml": (geometry_text(**POLAR, element="uint8", sizes=[9, 4, 3]).encode(), None)}
         for name, (data, keys) in files.items():
-            for turn in range(int(os.environ.get("WOBBLEBENCH_DAMAGED", "60"))):
+            for turn in range(int(os.environ.get("WOBBLEBENCH_DAMAGED", "20"))):
                 damaged = bytearray(data)
                 header = max(1, len(data) - grid.size)
                 for _ in range(rng.choice([0, 1, 1, 2, 5])):

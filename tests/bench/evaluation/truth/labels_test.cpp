@@ -81,23 +81,21 @@ class Tissue {
   const phantoms::PlacedPhantom& subject_;
 };
 
-/// How often the sound goes from fluid into tissue before it comes within `own_m` of a point: in
-/// small steps along the range at the point's two angles.
-int entries_before(const Tissue& tissue,
-                   const hw::ProbeGeometry& geometry,
-                   const glm::dvec3& point_m,
-                   double own_m) {
+/// How far before a point the sound goes from fluid into tissue for the first time: in small steps
+/// along the range at the point's two angles. Not until there: less than nothing.
+double first_entry_before_m(const Tissue& tissue,
+                            const hw::ProbeGeometry& geometry,
+                            const glm::dvec3& point_m) {
   constexpr double kStep_m = 0.05e-3;
   hw::PolarPoint polar = geometry.to_polar(point_m);
-  const double end_m = polar.range_m - own_m;
-  int entries = 0;
+  const double end_m = polar.range_m;
   bool was_fluid = false;
   for (polar.range_m = 0; polar.range_m < end_m; polar.range_m += kStep_m) {
     const bool is_fluid = tissue.is_fluid(geometry.to_cartesian(polar));
-    entries += was_fluid && !is_fluid;
+    if (was_fluid && !is_fluid) return end_m - polar.range_m;
     was_fluid = is_fluid;
   }
-  return entries;
+  return -1;
 }
 
 glm::dvec3 point_of(const Seen& seen, int column, int row) {
@@ -114,8 +112,8 @@ void expect_march_agrees(const Seen& seen) {
       if (seen.truth.kind.at(column, row) == TruthKind::none) continue;
       const glm::dvec3 point_m = point_of(seen, column, row);
       // A rim of the own surface within a millimetre does not count, another surface does.
-      const bool near = entries_before(tissue, geometry, point_m, 0.15e-3) > 0;
-      const bool far = entries_before(tissue, geometry, point_m, 1.3e-3) > 0;
+      const double entry_m = first_entry_before_m(tissue, geometry, point_m);
+      const bool near = entry_m > 0.15e-3, far = entry_m > 1.3e-3;
       if (near != far) continue;
       ++compared;
       hidden += far;
@@ -127,7 +125,7 @@ void expect_march_agrees(const Seen& seen) {
   EXPECT_LE(other, compared / 200) << "of " << compared << ", hidden " << hidden;
 }
 
-TEST(Visibility, AgreesWithAMarchThroughTheTissue) {
+TEST(LabelTruth, VisibilityAgreesWithAMarchThroughTheTissue) {
   expect_march_agrees(with_hand());
   expect_march_agrees(with_cord());
   expect_march_agrees(look({"phantom.placenta_mm=6", "phantom.identity=6"}));
@@ -145,7 +143,7 @@ void expect_hides(const Seen& seen, Part occluder) {
   EXPECT_GT(front, 200);
 }
 
-TEST(Visibility, OfAPointBehindHandOrCordIsNone) {
+TEST(LabelTruth, VisibilityOfAPointBehindHandOrCordIsNone) {
   expect_hides(with_hand(), Part::hand);
   expect_hides(with_cord(), Part::cord);
   const SeenLandmark& chin = with_hand().landmark("pogonion");
@@ -154,7 +152,7 @@ TEST(Visibility, OfAPointBehindHandOrCordIsNone) {
   EXPECT_EQ(static_cast<Part>(chin.before), Part::hand);
 }
 
-TEST(Visibility, IsNotTakenByWhatTheMotherHasBeforeTheFluid) {
+TEST(LabelTruth, VisibilityIsNotTakenByWhatTheMotherHasBeforeTheFluid) {
   const Seen seen = look({"phantom.placenta_mm=6", "phantom.maternal_layer_mm=10"});
   int nose = 0, hidden = 0;
   for (std::size_t i = 0; i < seen.truth.part.pixels.size(); ++i) {
@@ -167,7 +165,7 @@ TEST(Visibility, IsNotTakenByWhatTheMotherHasBeforeTheFluid) {
   EXPECT_TRUE(seen.landmark("pronasale").is_visible());
 }
 
-TEST(PixelLabels, NameThePartsOfTheFace) {
+TEST(LabelTruth, PixelLabelsNameThePartsOfTheFace) {
   const Seen& seen = bare_face();
   const SeenLandmark& tip = seen.landmark("pronasale");
   ASSERT_TRUE(tip.in_picture);
@@ -192,7 +190,7 @@ TEST(PixelLabels, NameThePartsOfTheFace) {
   EXPECT_EQ(pixels[Part::placenta], 0);
 }
 
-TEST(PixelLabels, AreThoseOfTheVoxelsJustBehindThem) {
+TEST(LabelTruth, PixelLabelsAreThoseOfTheVoxelsJustBehindThem) {
   const Seen& seen = with_hand();
   const phantoms::LabelFinder finder(seen.scene.subject()->phantom);
   int compared = 0, other = 0;
@@ -225,7 +223,7 @@ Depths depths_about(const Truth& truth, int column, int row) {
   return found;
 }
 
-TEST(Landmarks, ThatThePictureShowsLieAtTheDepthOfTheirPixels) {
+TEST(LabelTruth, LandmarksThatThePictureShowsLieAtTheDepthOfTheirPixels) {
   for (const Seen* seen : {&bare_face(), &with_hand()}) {
     int shown = 0;
     for (const SeenLandmark& landmark : seen->labels.landmarks) {
@@ -241,14 +239,14 @@ TEST(Landmarks, ThatThePictureShowsLieAtTheDepthOfTheirPixels) {
   }
 }
 
-TEST(Landmarks, AreVisibleWhereTheMarchMeetsNothing) {
+TEST(LabelTruth, LandmarksAreVisibleWhereTheMarchMeetsNothing) {
   for (const Seen* seen : {&bare_face(), &with_hand()}) {
     const Tissue tissue(seen->scene.subject().value());
     const hw::ProbeGeometry geometry = seen->scene.plan().geometry();
     int visible = 0;
     for (const SeenLandmark& landmark : seen->labels.landmarks) {
-      const bool near = entries_before(tissue, geometry, landmark.position_m, 0.15e-3) > 0;
-      const bool far = entries_before(tissue, geometry, landmark.position_m, 1.3e-3) > 0;
+      const double entry_m = first_entry_before_m(tissue, geometry, landmark.position_m);
+      const bool near = entry_m > 0.15e-3, far = entry_m > 1.3e-3;
       if (near != far) continue;
       EXPECT_EQ(landmark.before != 0, far) << landmark.name;
       visible += landmark.is_visible();
@@ -257,7 +255,7 @@ TEST(Landmarks, AreVisibleWhereTheMarchMeetsNothing) {
   }
 }
 
-TEST(Landmarks, OfAMovingHeadAreWhereItsSticksFindThem) {
+TEST(LabelTruth, LandmarksOfAMovingHeadAreWhereItsSticksFindThem) {
   const Seen seen = look({"motion.velocity_mm_s=[0, 0, 20]"});
   const auto& subject = seen.scene.subject().value();
   const hw::AcquisitionPlan& plan = seen.scene.plan();
@@ -275,7 +273,7 @@ TEST(Landmarks, OfAMovingHeadAreWhereItsSticksFindThem) {
   EXPECT_TRUE(seen.landmark("pronasale").in_picture);
 }
 
-TEST(PixelLabels, OfUnnamedPhantomsAreThoseOfTheirSurfaces) {
+TEST(LabelTruth, PixelLabelsOfUnnamedPhantomsAreThoseOfTheirSurfaces) {
   const Scene given = load_scene(
       {}, {"phantom.name=sphere", "phantom.voxel_mm=1", "render.ray_casting.image_size=48"});
   const ResolvedScene scene = resolve_scene(given, phantoms::make_phantom(given.phantom));
