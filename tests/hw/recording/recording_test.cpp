@@ -181,6 +181,14 @@ TEST_F(Recordings, MissingStickIsNoDamage) {
   EXPECT_EQ(contents.account.lost.link, 1U);
 }
 
+TEST_F(Recordings, ListTheFirst4096GapsAndCountAll) {
+  auto packets = packets_of(small_plan(800));
+  for (std::size_t i = 1; i < packets.size(); i += 2) packets[i] = {};
+  const RecordingContents contents = inspect_recording(write(join(packets)));
+  EXPECT_GT(contents.account.lost.link, 4097U);
+  EXPECT_EQ(contents.gaps.size(), 4096U);
+}
+
 TEST_F(Recordings, SayThatChecksumsAreWrong) {
   auto packets = packets_of(small_plan(1));
   for (Bytes& packet : packets) packet[60] ^= std::byte{1};
