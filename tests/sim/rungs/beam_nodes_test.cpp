@@ -31,7 +31,8 @@ StickTrack tilting(bool entering) {
   for (int n = 0; n < kAngles; ++n) {
     const auto angle = static_cast<float>(5 * n * kDegree);
     const float towards = entering ? -1.0f : 1.0f;
-    track.nodes.push_back({-towards * kBefore_m, towards * std::cos(angle), std::sin(angle), 0.0f});
+    const float lateral = 0.6f * std::sin(angle), elevation = 0.8f * std::sin(angle);
+    track.nodes.push_back({-towards * kBefore_m, towards * std::cos(angle), lateral, elevation});
   }
   return track;
 }
