@@ -42,6 +42,8 @@ TEST(Camera, IsAsWideAsTheLongerSideOfTheBoxAcross) {
   RenderOptions options;
   options.volume_of_interest.size_m = {0.03, 0.07, 0.2};
   EXPECT_DOUBLE_EQ(make_camera(options).width_m, 0.07);
+  options.volume_of_interest.size_m = {0.08, 0.07, 0.2};
+  EXPECT_DOUBLE_EQ(make_camera(options).width_m, 0.08);
 }
 
 TEST(Camera, PositiveYawMovesTheEyeRightAndPositivePitchMovesItUp) {
