@@ -242,8 +242,9 @@ class Resampled(Input):
         values = np.float32(0.4 + at @ np.array([2e-3, -1e-3, 1e-3]))
         text = " ".join("(" + ",".join(map(str, axis)) + ")" for axis in turn)
         keys = {**POLAR, "layout": "cartesian", "black": 0.0, "white": 1.0}
-        for space, sign in (("left-posterior-superior", 1), ("right-anterior-superior", -1)):
-            ras = np.array([sign, sign, 1])
+        for space, flips in (("left-posterior-superior", (1, 1)), ("right-anterior-superior", (-1, -1)),
+                             ("left-anterior-superior", (1, -1)), ("LAS", (1, -1))):
+            ras = np.array([*flips, 1])
             text = " ".join("(" + ",".join(map(str, axis * ras)) + ")" for axis in turn)
             file = self.write("g.nrrd", nrrd(values, "float", text, space, "(%g,%g,%g)" % tuple(origin * ras)))
             scan = self.exported(self.board(file, **keys))
