@@ -303,6 +303,7 @@ int export_scan(const Arguments& arguments) {
   BoardConnection board(board_arguments);
   OutputFolder out(folder_of(requests.front().path), "--to in");
   Progress progress(planned_steps());
+  progress.warn(out.warning());
   PhantomCache cache = open_phantom_cache(arguments.cache.most_megabytes());
   const ResolvedScene scene = board.resolve(source.scene, cache, progress);
   const auto options = chosen(requests, scene.plan(), volumes, scene.subject().has_value());

@@ -209,8 +209,9 @@ def check_refusals():
     refused("two.npz", says="--channel must name")
     for file in ("f4.npy", "arrays.npz", "own.tif", "parallel/depth.exr", "ball.ply", "ball.stl"):
         whole, kind = open(path(file), "rb").read(), file[-4:]
-        open(path("cut" + kind), "wb").write(whole[: len(whole) // 2])
-        refused("cut" + kind, says="cut" + kind)
+        for rest in (0.5, 0.97):
+            open(path("cut" + kind), "wb").write(whole[: int(rest * len(whole))])
+            refused("cut" + kind, says="cut" + kind)
         open(path("noise" + kind), "wb").write(bytes(range(256)) * 40)
         refused("noise" + kind, says="noise" + kind)
     open(path("text.txt"), "w").write("1")

@@ -116,7 +116,7 @@ TEST(Progress, IsALineEveryWhileInALog) {
   Text out;
   show(out, false, std::string("(^|\n)") + kLine + "\n", 1);
   EXPECT_TRUE(std::regex_search(out.text(), std::regex("\nmeasure +[0-9]+ ms\n$"))) << out.text();
-  EXPECT_FALSE(holds(out.text(), '\x1b'));
+  EXPECT_FALSE(holds(out.text(), "\x1b"));
 }
 
 TEST(Progress, IsOneLineOnATerminal) {

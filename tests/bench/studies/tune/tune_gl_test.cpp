@@ -79,7 +79,7 @@ TEST_F(Tune, SearchesAndWritesInTheUnitsOfTheKeys) {
   folder_.write("plan.toml", plan);
   const auto result = tune({"--limit", "p95_mm<=50", "--evaluations", "3", "--random"});
   ASSERT_EQ(result.exit_code, 0) << result.err;
-  const auto run = bench({"run", "out/tuned.toml", "--out", "run", "--json"}, folder_);
+  const auto run = bench("run out/tuned.toml --out run --json");
   ASSERT_EQ(run.exit_code, 0) << run.err;
   const auto scene = nlohmann::json::parse(run.out).at("scene");
   for (const auto& [key, ends] : ranges) {
