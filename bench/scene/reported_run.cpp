@@ -31,7 +31,7 @@ std::string simulated_board_of(const Json& report, const std::string& source) {
         " samples, which it does not hold; only a simulated run can be made again: take "
         "the recording itself");
   }
-  const std::string board = text_at(report, "/board/arguments");
+  std::string board = text_at(report, "/board/arguments");
   if (!board.empty()) return board;
   if (volume_of(report, source) == 0) return "sim";  // of before it was written
   throw UserError(source + ": does not say what --board was given: run it again");

@@ -65,7 +65,8 @@ TEST_F(AccuracyCommand, SaysWhereNoSurfaceIsInView) {
 }
 
 TEST_F(AccuracyCommand, RefusesBadInputWithOneLineBeforeAnyWork) {
-  folder_.write("plan.toml", kPlan + "[settings.bad.render.ray_casting]\nbuffer_length = 3\n");
+  folder_.write("plan.toml",
+                kPlan + "[settings.paper]\n[settings.bad.render.ray_casting]\nbuffer_length = 3\n");
   folder_.write("none.toml", "seeds = 3\n[settings.paper]\n");
   expect_refusals({{"accuracy plan.toml", "buffer_length = 3: "},
                    {"accuracy none.toml", "none.toml: "},
