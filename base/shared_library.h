@@ -16,9 +16,8 @@ inline void* load_library(const std::string& path, std::string* reason = nullptr
   if (library != nullptr) return library;
   const char* const said = ::dlerror();  // null where another dlopen() than the system's failed
   const std::string error = said != nullptr ? said : "";
-  for (const char* const no_room : {"failed to map", "cannot map", "annot allocate"}) {
+  for (const char* const no_room : {"failed to map", "cannot map", "annot allocate"})
     if (error.find(no_room) != std::string::npos) throw std::bad_alloc();
-  }
   if (reason != nullptr) *reason = error;
   return nullptr;
 }
