@@ -91,10 +91,14 @@ std::optional<bench::StreamFrame> BoardReader::next_frame() {
   return std::nullopt;
 }
 
-hw::SubjectHash BoardReader::subject() const {
+/// Of all volumes: it may take a reading of the phantom's files.
+hw::SubjectHash BoardReader::subject() {
   if (!scene_) return source_->configuration.value().subject;
   const bench::ResolvedScene& scene = scene_->resolved();
-  return scene.subject() ? bench::subject_hash(scene.options()) : hw::SubjectHash{};
+  if (!subject_) {
+    subject_ = scene.subject() ? bench::subject_hash(scene.options()) : hw::SubjectHash{};
+  }
+  return *subject_;
 }
 
 VolumePointer BoardReader::next_volume() {

@@ -41,7 +41,7 @@ class BoardReader {
   std::optional<hw::BoardAccount> account() const;
 
  private:
-  hw::SubjectHash subject() const;
+  hw::SubjectHash subject();
   void resolve(const ScenePointer& given);
   void open_without_scene();
   void start();
@@ -52,6 +52,7 @@ class BoardReader {
   std::unique_ptr<hw::Board> board_;  ///< without a scene
   std::optional<hw::AcquisitionPlan> plan_;
   ScenePointer scene_;
+  std::optional<hw::SubjectHash> subject_;  ///< of scene_, once it is known
   std::vector<std::string> warnings_;
 
   std::mutex reading_;  ///< of those that call next_…()

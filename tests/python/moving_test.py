@@ -1,20 +1,16 @@
 """A ball that moves at a constant speed, at later volumes, through each step that hands a volume on: `run`, `score`,
 `export`, `stream`, `compare` and the Python module. In each, truth and found surface move by speed times time."""
 import json
-import os
 import pathlib
 import subprocess
 import tempfile
 import unittest
 
 import numpy
-import OpenImageIO
 
 import wobblebench
+from module_test import PROGRAM, as_arguments, exr_channels
 
-PROGRAM = os.environ["WOBBLEBENCH_PROGRAM"]
-CACHE = tempfile.TemporaryDirectory()  # not the user's
-os.environ["XDG_CACHE_HOME"] = CACHE.name
 SPEED_MM_S = numpy.array([-30.0, 20.0, 40.0])
 RADIUS_MM = 18
 FRAMES, LINES = 17, 32
@@ -41,10 +37,6 @@ SETTINGS = {
     "render.ray_casting.image_size": 96,
     "render.ray_casting.steps": 128,
 }
-
-
-def as_arguments(settings):
-    return [word for key, value in settings.items() for word in ("--set", f"{key}={json.dumps(value)}")]
 
 
 def run_program(*arguments, code=0):
@@ -84,8 +76,7 @@ def off_ball_mm(points, volume):
 
 
 def exr_depth(path):
-    picture = OpenImageIO.ImageInput.open(str(path))
-    return picture.read_image("float")[:, :, picture.spec().channelnames.index("Z")].astype(float)
+    return exr_channels(path)["Z"].astype(float)
 
 
 class MovingBall(unittest.TestCase):
@@ -120,7 +111,9 @@ class MovingBall(unittest.TestCase):
         run_program("score", depth, "--scene", self.at / f"{LATER}/report.json", "--out", self.at / "s1")
         run_program("score", depth, "--scene", self.at / "s1/report.json", "--out", self.at / "s2")
         (self.at / "scene.toml").write_text("")
-        run_program("score", depth, "--scene", self.at / "scene.toml", *as_arguments(SETTINGS), "--volume", LATER, "--out", self.at / "s3")
+        toml = ["score", depth, "--scene", self.at / "scene.toml", *as_arguments(SETTINGS), "--out", self.at / "s3"]
+        self.assertIn("--volume: is missing", run_program(*toml, code=2))
+        run_program(*toml, "--volume", LATER)
         for folder in ("s1", "s2", "s3"):
             self.assertEqual(self.p95_of(folder), self.p95)
         said = run_program("score", depth, "--scene", self.at / "s1/report.json", "--volume", 1, "--out", self.at / "s4", code=2)

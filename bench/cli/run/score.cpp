@@ -75,9 +75,12 @@ ScoredScene scene_of_report(const SceneArguments& arguments) {
   return scored;
 }
 
-/// A report knows its volume.
+/// A report knows its volume; a scene that moves does not.
 void take_volume(ScoredScene& scored, const ScoreArguments& arguments, bool is_report) {
-  if (arguments.command->get_option("--volume")->count() == 0) return;
+  if (arguments.command->get_option("--volume")->count() == 0) {
+    if (is_report || !scored.options.moves()) return;
+    throw UserError("--volume: is missing: " + arguments.scene.file.string() + " moves");
+  }
   const auto asked = static_cast<std::uint32_t>(arguments.volume);
   if (is_report && scored.volume != asked) {
     throw UserError("--volume = " + std::to_string(asked) + ": " + arguments.scene.file.string() +
@@ -311,7 +314,7 @@ Command add_score_command(CLI::App& app) {
   add_optional_integer(command,
                        "--volume",
                        arguments->volume,
-                       "Volume of a scene that moves, from 0 on; a report says its own",
+                       "Volume, from 0 on, of a scene in TOML that moves; a report says its own",
                        0,
                        hw::kMostVolumes - 1);
   add_surface_options(command, *arguments);
