@@ -243,7 +243,7 @@ std::string summary(const std::vector<FileRequest>& requests,
     text << "missing     " << exported.missing_sticks << " sticks, whose samples are 0\n";
   }
   if (exported.clamped > 0) {
-    text << "samples     " << exported.clamped << " out of range and clamped to 0 or 1\n";
+    text << "samples     " << exported.clamped << " out of range and clamped\n";
   }
   for (const FileRequest& request : requests) {
     text << "results     " << request.path.string() << ", "

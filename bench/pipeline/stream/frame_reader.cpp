@@ -8,6 +8,7 @@
 #include <variant>
 
 #include "base/user_error.h"
+#include "render/reconstruction/frame_store.h"
 
 namespace wobblebench::bench {
 
@@ -196,13 +197,12 @@ bool FrameReader::finish_frame() {
 
 namespace {
 
-/// To [0, 1], NaN to 0, as every taker of the frame expects. Returns how many were not.
+/// Every taker of the frame expects samples as the renderer does. Returns how many were others.
 std::uint64_t clamp_samples(std::vector<float>& samples) {
   std::uint64_t clamped = 0;
   for (float& sample : samples) {
-    if (sample >= 0.0f && sample <= 1.0f) continue;
-    sample = sample > 1.0f ? 1.0f : 0.0f;
-    ++clamped;
+    clamped += !(sample >= 0.0f && sample <= 1.0f);
+    sample = render::clean_sample(sample);
   }
   return clamped;
 }

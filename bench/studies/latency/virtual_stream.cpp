@@ -113,7 +113,6 @@ void VirtualStream::render(int volume) {
              .last_fired_s = begin + (setting_.plan.sticks_per_volume() - 1) * period_s_,
              .announced_s = announced_s(volume, frames_ - 1),
              .acquired_s = acquired.back(),
-             .uploaded_s = free_s,
              .ready_s = free_s + picture_s});
 }
 

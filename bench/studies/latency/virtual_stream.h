@@ -37,11 +37,9 @@ struct VirtualPicture {
   double first_fired_s = 0, last_fired_s = 0;
   double announced_s = 0;  ///< the card's interrupt for the last stick
   double acquired_s = 0;
-  double uploaded_s = 0;
   double ready_s = 0;
 
   double age_newest_s() const { return ready_s - last_fired_s; }
-  double age_oldest_s() const { return ready_s - first_fired_s; }
 };
 
 struct VirtualResult {

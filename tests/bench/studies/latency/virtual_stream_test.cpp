@@ -41,8 +41,7 @@ TEST(VirtualStream, AFastRendererAddsItsOwnTimeToTheCards) {
     const double period_s = setting.plan.stick_period_s();
     for (const VirtualPicture& picture : result.pictures) {
       EXPECT_NEAR(picture.age_newest_s(), period_s + 1e-3 + 2e-3 + 50e-3, 30e-6);
-      EXPECT_NEAR(
-          picture.age_oldest_s() - picture.age_newest_s(), volume_s(setting) - period_s, 1e-6);
+      EXPECT_NEAR(picture.last_fired_s - picture.first_fired_s, volume_s(setting) - period_s, 1e-6);
     }
   }
 }
