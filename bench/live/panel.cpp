@@ -40,7 +40,6 @@ ResolvedScene with_stream_of(Scene scene, const ResolvedScene& stream) {
 
 Scene load_live_scene(const std::filesystem::path& file, const std::vector<std::string>& settings) {
   Scene scene = load_scene(file, settings);
-  refuse_correction(scene, "live");
   refuse_program(scene, "live");
   if (!scene.given.contains("acquisition.volumes")) scene.acquisition.volumes = hw::kMostVolumes;
   return scene;

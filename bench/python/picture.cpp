@@ -56,7 +56,6 @@ class RendererHandle {
  public:
   RendererHandle(ScenePointer scene, const std::string& backend) : scene_(std::move(scene)) {
     scene_->resolved();
-    bench::refuse_correction(scene_->given(), "Renderer");
     const std::lock_guard lock(gl_mutex());
     context_ = render::make_context(backend);
     backend_ = context_->renderer_string();
@@ -80,7 +79,6 @@ class RendererHandle {
   PicturePointer render(const VolumePointer& volume, const ScenePointer& other) {
     const ScenePointer& scene = other ? other : scene_;
     const bench::ResolvedScene& resolved = scene->resolved();
-    bench::refuse_correction(scene->given(), "Renderer");
     const std::lock_guard lock(gl_mutex());
     const ReleaseAtEnd current(*context_);
     if (volume) {

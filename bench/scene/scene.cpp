@@ -316,12 +316,6 @@ bool Scene::moves() const {
   return !phantoms::Motion(motion, joint).still();
 }
 
-void refuse_correction(const Scene& scene, const std::string& command) {
-  if (scene.picture.correction.empty()) return;
-  throw UserError("render.correction = " + scene.picture.correction + ": must be empty; `" +
-                  command + "` corrects no pictures, `run` does");
-}
-
 void refuse_program(const Scene& scene, const std::string& command) {
   if (scene.picture.program.empty()) return;
   throw UserError("render.program = " + scene.picture.program + ": must be empty; `" + command +

@@ -35,7 +35,6 @@ void describe(O& o, Visitor& v) {
 /// What the renderer's settings start from, and what is done with z beside its passes.
 struct PictureOptions {
   render::RenderPreset preset = render::RenderPreset::accurate;
-  std::string correction;  ///< correction.json of `wobblebench fit`; empty: z stays as it is found
   /// A renderer of another program, by the name that --renderer gives it: it finds the surface in
   /// place of passes 1 and 2; empty: none.
   std::string program;
@@ -49,7 +48,6 @@ void describe(O& o, Visitor& v) {
            o.preset,
            {{to_string(render::RenderPreset::accurate), render::RenderPreset::accurate},
             {to_string(render::RenderPreset::baseline), render::RenderPreset::baseline}});
-  v.text("correction", o.correction);
   v.text("program", o.program);
   v.real("program_voxel_mm", o.program_voxel_m, kMillimetre, 0.1, 10);
   v.real("program_timeout_s", o.program_timeout_s, 1, 0.1, 3600);
@@ -108,8 +106,6 @@ Scene load_resolved_scene(const nlohmann::ordered_json& resolved,
                           const std::vector<std::string>& settings,
                           const std::string& source);
 
-/// Throws UserError for a scene with render.correction, which `run` alone applies.
-void refuse_correction(const Scene& scene, const std::string& command);
 /// Throws UserError for a scene with render.program: the command takes no other renderer.
 void refuse_program(const Scene& scene, const std::string& command);
 

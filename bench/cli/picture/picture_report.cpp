@@ -52,13 +52,7 @@ std::string error_text(const Comparison& comparison, const ResolvedScene& scene)
   const DepthError& raw = comparison.error.raw;
   if (!raw.surface_in_view()) return nothing_in_view(raw, sought);
   const auto percent = [&](double value) { return sought.surface ? rounded(value) : "none"; };
-  std::string corrected;
-  if (const auto& before = comparison.before_correction) {
-    corrected = "corrected   bias was " + in_mm(before->raw.depth.bias_m) + " mm, RMS " +
-                in_mm(before->raw.depth.rms_m) + " mm, P95 " + in_mm(before->raw.depth.p95_m) +
-                " mm\n";
-  }
-  return corrected + "depth error bias " + in_mm(raw.depth.bias_m) + " mm, RMS " +
+  return "depth error bias " + in_mm(raw.depth.bias_m) + " mm, RMS " +
          in_mm(raw.depth.rms_m) + " mm, P95 " + in_mm(raw.depth.p95_m) + " mm, " +
          rounded(100 * raw.depth.outlier_share) + " % beyond 10 mm, over " +
          std::to_string(raw.depth.n) + " pixels\nsurface     missed " +

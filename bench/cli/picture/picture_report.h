@@ -18,7 +18,6 @@ struct Comparison {
   PictureMeasures error;
   Image<glm::vec3> shaded_truth = {};                     ///< light, as shade_truth() makes it
   std::optional<Registration> registration = {};          ///< none: not asked for
-  std::optional<PictureMeasures> before_correction = {};  ///< none: z is not corrected
   std::optional<Labels> labels = {};                      ///< none: not asked for
 };
 

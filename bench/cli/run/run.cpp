@@ -17,7 +17,6 @@
 #include "bench/command/common_options.h"
 #include "bench/command/run_in_folder.h"
 #include "bench/command/software_renderer.h"
-#include "bench/evaluation/error_model/correction.h"
 #include "bench/evaluation/truth/shadows.h"
 #include "bench/exchange/program/program_stream_renderer.h"
 #include "bench/output/encoders.h"
@@ -165,32 +164,8 @@ void warn_of_picture(const RunResult& result, const ResolvedScene& scene, Progre
   for (const auto& warning : picture_warnings(result.picture, scene, error)) progress.warn(warning);
 }
 
-/// A correction is one for a display scale, which is then taken on trust.
-void warn_of_unknown_scale(const Acquisition& acquisition, Progress& progress) {
-  if (acquisition.display_scale.stated()) return;
-  progress.warn(
-      "render.correction: the stream does not state its display scale; the correction is applied "
-      "as if it were the scene's [simulation]");
-}
-
-/// Corrects z of the result's picture. Returns the picture as it was found; nullopt: there is no
-/// correction.
-std::optional<render::Picture> correct_picture(RunResult& result,
-                                               const std::optional<Correction>& correction,
-                                               const ResolvedScene& scene,
-                                               render::Renderer* renderer,
-                                               Progress& progress) {
-  if (!correction || renderer == nullptr) return std::nullopt;
-  render::Picture corrected = progress.step("correct", [&] {
-    return corrected_picture(
-        *correction, *renderer, result.picture, result.acquisition.volume, scene.options());
-  });
-  return std::exchange(result.picture, std::move(corrected));
-}
-
 /// The picture against the scene's truth; nullopt where that is not known.
 std::optional<Comparison> compare(const RunResult& result,
-                                  const std::optional<render::Picture>& uncorrected,
                                   const ResolvedScene& scene,
                                   const sim::TissueMapSource& maps,
                                   const RunArguments& arguments,
@@ -207,19 +182,13 @@ std::optional<Comparison> compare(const RunResult& result,
     return TrueView(std::move(surface), scene.view().camera);
   });
   Image<glm::vec3> shaded;
-  const auto measure = [&](const render::Picture& picture) {
-    return measure_picture(picture, truth, scene.render(), {}, &shaded);
-  };
   PictureMeasures error = progress.step("compare", [&] {
     shaded = shade_truth(truth.truth, scene.render(), result.picture.volume);
-    return measure(result.picture);
+    return measure_picture(result.picture, truth, scene.render(), {}, &shaded);
   });
-  std::optional<PictureMeasures> before;
-  if (uncorrected) before = measure(*uncorrected);
   Comparison comparison{.truth = std::move(truth.truth),
                         .error = std::move(error),
-                        .shaded_truth = std::move(shaded),
-                        .before_correction = std::move(before)};
+                        .shaded_truth = std::move(shaded)};
   if (arguments.labels) {
     comparison.labels = progress.step(
         "labels", [&] { return label_truth(scene, comparison.truth, *reach, volume); });
@@ -286,7 +255,6 @@ int run(const RunArguments& arguments) {
   if (request) refuse_program(given, "run --tolerance");
   check_memory_of_run(given, available_memory_bytes());
   const BoardArguments board_arguments = parse_board(arguments.board);
-  const auto correction = read_correction(given, is_simulated(board_arguments));
   BoardConnection board(board_arguments);
   board.check_one_volume(given);
   // Context and renderer are made before the echoes: what this machine cannot render fails early.
@@ -304,7 +272,6 @@ int run(const RunArguments& arguments) {
     if (given.given.contains("render.pipeline.mid_volume")) {
       progress.warn("render.pipeline.mid_volume: without effect: `run` renders a whole volume");
     }
-    if (correction) check_correction(*correction, scene.options());
     const Painter painter(*context, scene);
     std::future<void> compiled;
     if (painter.renderer) compiled = painter.renderer->compile_in_background();
@@ -317,9 +284,7 @@ int run(const RunArguments& arguments) {
     result.kept = cache.kept();
     result.motor = hw::motor_deviation(result.acquisition.volume);
     warn_of_samples(result, board, scene, progress);
-    if (correction) warn_of_unknown_scale(result.acquisition, progress);
-    const auto found = correct_picture(result, correction, scene, painter.renderer.get(), progress);
-    result.comparison = compare(result, found, scene, maps, arguments, progress);
+    result.comparison = compare(result, scene, maps, arguments, progress);
     warn_of_picture(result, scene, progress);
     if (arguments.count_work) {
       result.counted = progress.step(

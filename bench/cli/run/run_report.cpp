@@ -185,9 +185,6 @@ std::string run_report(const RunResult& result,
     if (comparison->labels) {
       report["labels"] = labels_json(comparison->truth, *comparison->labels);
     }
-    if (const auto& before = comparison->before_correction) {
-      report["error"]["before_correction"] = error_json(*before, sought_in(scene));
-    }
     if (comparison->registration) {
       report["fit"] = {{"registration", registration_json(*comparison->registration)}};
     }

@@ -89,7 +89,7 @@ void take_volume(ScoredScene& scored, const ScoreArguments& arguments, bool is_r
   scored.volume = asked;
 }
 
-/// With the settings of passes 3 and 4 alone: no volume is rendered, and no z corrected.
+/// With the settings of passes 3 and 4 alone: no volume is rendered.
 ScoredScene load_scored_scene(const ScoreArguments& arguments) {
   const SceneArguments& scene = arguments.scene;
   const bool is_report = scene.file.extension() == ".json";
@@ -97,7 +97,6 @@ ScoredScene load_scored_scene(const ScoreArguments& arguments) {
       is_report ? scene_of_report(scene) : ScoredScene{load_scene(scene.file, scene.settings)};
   take_volume(scored, arguments, is_report);
   scored.options.render.ray_casting.mode = render::RenderMode::surface;
-  scored.options.picture.correction.clear();
   return scored;
 }
 

@@ -93,7 +93,6 @@ std::vector<std::string> codec_names() {
 
 Scene scene_of(const Arguments& arguments) {
   Scene scene = load_scene(arguments.scene.file, arguments.scene.settings);
-  refuse_correction(scene, "stream");
   refuse_program(scene, "stream");
   if (!scene.given.contains("acquisition.volumes")) {
     scene.acquisition.volumes = arguments.volumes > 0 ? arguments.volumes : hw::kMostVolumes;

@@ -290,7 +290,6 @@ std::vector<PlannedStep> planned_steps() {
 int export_scan(const Arguments& arguments) {
   const auto requests = parse_requests(arguments);
   Source source = source_of(arguments);
-  refuse_correction(source.scene, "export");
   const BoardArguments board_arguments = parse_board(source.board);
   const bool simulated = is_simulated(board_arguments);
   if (simulated && arguments.volumes > 0) source.scene.acquisition.volumes = arguments.volumes;

@@ -174,11 +174,7 @@ ProgramSetting program_setting(const PictureOptions& options) {
 }
 
 void check_program(const PictureOptions& options) {
-  if (options.program.empty()) return;
-  static_cast<void>(renderer_command(options.program));
-  if (options.correction.empty()) return;
-  throw UserError("render.correction = " + options.correction +
-                  ": must be empty with render.program, whose errors it does not model");
+  if (!options.program.empty()) static_cast<void>(renderer_command(options.program));
 }
 
 ProgramRenderer::ProgramRenderer(const ProgramSetting& setting)

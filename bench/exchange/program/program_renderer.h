@@ -24,7 +24,7 @@ struct ProgramSetting {
   friend bool operator==(const ProgramSetting&, const ProgramSetting&) = default;
 };
 ProgramSetting program_setting(const PictureOptions& options);
-/// Throws UserError for a program that --renderer does not define, or with render.correction.
+/// Throws UserError for a program that --renderer does not define.
 void check_program(const PictureOptions& options);
 
 /// One program, which is started once and renders any number of volumes of one plan.

@@ -62,7 +62,6 @@ AccuracyScene::Setting setting_of(const AccuracyPlan& plan,
   read.command = run_command_line(scene.file, settings);
   for (const sim::Rung rung : plan.rungs) {
     read.scene = planned_scene(plan, scene, setting, rung, more);
-    refuse_correction(read.scene, "accuracy");
     check_program(read.scene.picture);
     check_memory_of_run(read.scene, available_memory_bytes());
   }

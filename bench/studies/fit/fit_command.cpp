@@ -64,10 +64,6 @@ std::vector<std::filesystem::path> files_of(const Scene& scene, const JudgedScen
 }
 
 void refuse_what_is_not_fitted(const Scene& scene) {
-  if (!scene.picture.correction.empty()) {
-    throw UserError("render.correction = " + scene.picture.correction +
-                    ": must be empty; fit makes corrections of what is found without one");
-  }
   if (scene.moves()) throw UserError("motion: must be none; fit needs a phantom at rest");
   if (scene.render.ray_casting.mode == render::RenderMode::volume) {
     throw UserError("render.ray_casting.mode = \"volume\": must be surface or both; z is fitted");
@@ -102,7 +98,6 @@ void refuse_too_few_points(const Registration& registration) {
 }
 
 void stage_results(OutputFolder& out, const FitResults& results) {
-  out.write_text("correction.json", correction_text(results.correction));
   for (const ResidualPicture& picture : results.model.pictures) {
     write_png(out.stage(residuals_file(picture)), residuals_picture(picture));
   }
@@ -129,7 +124,6 @@ FitResults measure(const Scene& scene,
   results.model = progress.step("model", [&](const PartDone& done) {
     return study_detection_model(scene, judged, arguments.seeds, cache, context, done);
   });
-  results.correction = {results.model.model, correction_conditions(scene), results.model.step_mm};
   return results;
 }
 
@@ -167,7 +161,7 @@ int fit(const Arguments& arguments) {
 Command add_fit_command(CLI::App& app) {
   const auto arguments = std::make_shared<Arguments>();
   CLI::App& command = add_subcommand(
-      app, "fit", "Register the probe's errors; fit the detection error and write its correction");
+      app, "fit", "Register the probe's errors; fit the surface-detection error");
   add_scene_options(command, arguments->scene);
   add_output_options(command, arguments->output, arguments->cache);
   add_gl_option(command, arguments->gl);

@@ -321,8 +321,6 @@ Document fit_document(const FitResults& results, const Provenance& provenance) {
   add_registration(results.nothing_known, "Registration, nothing known", "nothing_known", document);
   if (results.coverage) add_coverage(*results.coverage, document);
   add_model(results.model, document);
-  document.add(
-      Text{"`correction.json` holds the model; `run --set render.correction=FILE` applies it."});
   for (const Figure& figure : fit_figures(results.model)) document.add(figure);
   for (const ResidualPicture& picture : results.model.pictures) {
     document.add(Picture{residuals_file(picture), residuals_caption(picture)});

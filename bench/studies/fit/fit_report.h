@@ -7,7 +7,6 @@
 #include <string>
 #include <vector>
 
-#include "bench/evaluation/error_model/correction.h"
 #include "bench/output/document/document.h"
 #include "bench/output/report_parts.h"
 #include "bench/studies/fit/model_study.h"
@@ -20,7 +19,6 @@ struct FitResults {
   Registration nothing_known;  ///< pose and probe at once
   std::optional<Coverage> coverage;
   ModelStudy model;
-  Correction correction;
 };
 
 /// Sets "fit" of report.json.

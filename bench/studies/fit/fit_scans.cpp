@@ -69,7 +69,6 @@ LoadedPhantom load_phantom(const phantoms::PhantomOptions& options, PhantomCache
 }
 
 ResolvedScene fit_scene(Scene scene, const phantoms::Phantom& phantom) {
-  scene.picture.correction.clear();
   scene.render.ray_casting.image_size =
       std::min(scene.render.ray_casting.image_size, kFitImageSize);
   return resolve_scene(std::move(scene), phantom);

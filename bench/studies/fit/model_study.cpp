@@ -169,7 +169,6 @@ class SetScans {
         meter_(evaluator_.scene().plan(), evaluator_.scene().simulation(), options_) {}
 
   render::Camera camera() const { return render::make_camera(options_); }
-  double step_mm() const { return render::step_m(options_) / kMillimetre; }
 
   Scan scan(sim::Rung rung, std::uint64_t seed) {
     evaluator_.scan(rung, seed);
@@ -266,7 +265,6 @@ void train(const std::vector<ScanSet>& sets,
   double other = 0;
   for (std::size_t i = 0; i < sets.size(); ++i) {
     SetScans source(sets[i], cache, context);
-    if (i == 0) study.step_mm = source.step_mm();
     for (const sim::Rung rung : rungs_of_fit(sets[i].scene)) {
       for (const std::uint64_t seed : sets[i].seeds) {
         const Scan scan = source.scan(rung, seed);

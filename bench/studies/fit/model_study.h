@@ -72,7 +72,6 @@ struct ModelStudy {
   TermChoice choice;
   DetectionModel model;
   int training_scans = 0;
-  double step_mm = 0;
   Judgement training;
   std::vector<Judgement> held_out;  ///< one of each set and rung
   Judgement all_held_out;

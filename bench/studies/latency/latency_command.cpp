@@ -31,7 +31,6 @@ struct Arguments {
 
 Scene scene_of(const Arguments& arguments) {
   Scene scene = load_scene(arguments.scene.file, arguments.scene.settings);
-  refuse_correction(scene, "latency");
   refuse_program(scene, "latency");
   if (scene.given.contains("acquisition.volumes")) {
     throw UserError("acquisition.volumes: is set by --volumes; leave it out");

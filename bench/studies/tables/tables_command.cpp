@@ -107,7 +107,6 @@ int measure(const TablesArguments& arguments) {
   Scene scene = load_scene(
       arguments.scene.file, arguments.scene.settings, "--set", render::RenderPreset::baseline);
   const BoardArguments board = parse_board(arguments.board);
-  refuse_correction(scene, "tables");
   refuse_program(scene, "tables");
   take_reference_settings(scene, arguments.tables.run());
   // Made before the echoes: where this machine lacks the GL, the command fails early.

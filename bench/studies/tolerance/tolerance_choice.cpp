@@ -52,11 +52,9 @@ class Question {
   /// Throws UserError.
   explicit Question(const ToleranceRequest& request)
       : request_(request), given_(load({}).given), finest_(choose_finest_rung()) {
-    for (const char* key : {"render.preset", "render.correction"}) {
-      if (!given_.contains(key)) continue;
-      throw UserError(std::string("--tolerance: chooses the settings of the renderer; leave ") +
-                      key + " out");
-    }
+    if (!given_.contains("render.preset")) return;
+    throw UserError(
+        "--tolerance: chooses the settings of the renderer; leave render.preset out");
   }
 
   /// The scene's own rung, or the finest that it allows but for `reference`, which is for small

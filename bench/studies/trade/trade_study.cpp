@@ -24,10 +24,6 @@ Scene load(const TradeWork& work, std::size_t number, const std::vector<std::str
   const std::string source = work.plan.source + " (scene " + scene.name + ")";
   Scene read = load_scene(scene.file, work.settings(number, of_point), source);
   check_memory_of_run(read, available_memory_bytes());
-  if (!read.picture.correction.empty()) {
-    refuse_plan(
-        source, "render.correction", "must be empty; `run` corrects pictures, a study does not");
-  }
   check_program(read.picture);
   if (work.plan.of_one_scene) return read;
   if (read.acquisition.volumes != 1) {

@@ -149,26 +149,13 @@ TEST_F(CommandLine, AMissingGlFailsBeforeAnyWork) {
   const auto built = render::context_backends();
   if (std::find(built.begin(), built.end(), "egl") == built.end()) GTEST_SKIP() << "no EGL";
   setenv("__EGL_VENDOR_LIBRARY_DIRS", "/nonexistent", 1);
-  for (const std::string command : {"run", "tables", "modes"}) {
+  for (const std::string command : {"run", "tables", "accuracy"}) {
     const auto result = bench(command + " --gl egl");
     expect_line(result, 1, "wobblebench: egl: ");
     EXPECT_EQ(std::ranges::count(result.err, '\n'), 1) << result.err;
     EXPECT_FALSE(fs::exists(at("out")));
   }
   unsetenv("__EGL_VENDOR_LIBRARY_DIRS");
-}
-
-TEST_F(CommandLine, ModesFindsTheSamePictureFromEachDirection) {
-  const auto result = bench("modes --json", {kQuick});
-  ASSERT_EQ(result.exit_code, 0) << result.err;
-  EXPECT_EQ(folder_.files("out"), words_of("modes.csv modes.md report.html report.json"));
-  const auto report = nlohmann::json::parse(result.out);
-  ASSERT_EQ(report.at("modes").size(), 5u);
-  for (const auto& row : report.at("modes")) {
-    EXPECT_EQ(row.at("phantom"), "sphere");
-    EXPECT_GT(row.at("both_hit").get<int>(), 0) << row;
-    EXPECT_TRUE(row.at("same").get<bool>()) << row;
-  }
 }
 
 TEST_F(CommandLine, RunReportsTheGlThatRendered) {

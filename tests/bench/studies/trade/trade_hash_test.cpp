@@ -146,8 +146,6 @@ TEST_F(TradeHash, AnAxisTakesNoSetting) {
   EXPECT_NO_THROW(check_trade(work));
   work.more = {"render.ray_casting.steps=48"};
   EXPECT_THROW(check_trade(work), UserError);
-  work.more = {"render.correction=none.json"};
-  EXPECT_THROW(check_trade(work), UserError);
 }
 
 }  // namespace
