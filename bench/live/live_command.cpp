@@ -1,6 +1,12 @@
 // The stream as a page that a browser shows: pictures as they come, every setting, the truth.
+#include <ifaddrs.h>
+#include <net/if.h>
+#include <netdb.h>
+#include <netinet/in.h>
+
 #include <algorithm>
 #include <array>
+#include <cctype>
 #include <chrono>
 #include <cstdint>
 #include <cstdio>
@@ -38,7 +44,8 @@ struct Arguments {
   CacheArguments cache;
   std::string board = "sim,pace=realtime";
   std::string gl = "auto";
-  std::string listen;  ///< empty: loopback
+  std::string listen;              ///< empty: loopback
+  std::vector<std::string> names;  ///< of proxies
   int port = 8642;
   int ring = hw::BoardOptions{}.ring_slots;
   std::uint64_t replay = 0;  ///< seed of a rehearsal; 0: none
@@ -64,19 +71,58 @@ std::string new_token() {
 
 ServerOptions server_options(const Arguments& arguments) {
   ServerOptions options{.port = arguments.port, .token = {}};
-  if (arguments.listen.empty()) return options;
-  options.address = arguments.listen;
-  options.token = new_token();
+  if (!arguments.listen.empty()) options.address = arguments.listen;
+  for (std::string name : arguments.names) {
+    if (name.empty() || name.find_first_of(":/?# ") != std::string::npos) {
+      throw UserError("--name = " + name + ": must be a host's name alone, as bench.example.org");
+    }
+    std::ranges::transform(name, name.begin(), [](unsigned char c) { return std::tolower(c); });
+    options.names.push_back(std::move(name));
+  }
+  if (!arguments.listen.empty() || !options.names.empty()) options.token = new_token();
   return options;
 }
 
-std::string page_address(const ServerOptions& options, int port) {
-  const bool is_v6 = options.address.find(':') != std::string::npos;
-  std::string address = is_v6 ? "http://[" : "http://";
-  address.append(options.address).append(is_v6 ? "]:" : ":").append(std::to_string(port));
-  address.append("/");
-  if (!options.token.empty()) address.append("?token=").append(options.token);
-  return address;
+/// Those of this machine at which a server at 0.0.0.0 or :: can be reached from others, then the
+/// loopback's.
+std::vector<std::string> addresses_of_machine(bool with_v6) {
+  std::vector<std::string> addresses;
+  ifaddrs* all = nullptr;
+  static_cast<void>(::getifaddrs(&all));
+  for (const ifaddrs* at = all; at != nullptr; at = at->ifa_next) {
+    if (at->ifa_addr == nullptr || (at->ifa_flags & IFF_LOOPBACK) != 0) continue;
+    const bool is_v6 = at->ifa_addr->sa_family == AF_INET6;
+    if (is_v6 ? !with_v6 : at->ifa_addr->sa_family != AF_INET) continue;
+    std::array<char, NI_MAXHOST> text{};
+    const socklen_t size = is_v6 ? sizeof(sockaddr_in6) : sizeof(sockaddr_in);
+    if (::getnameinfo(at->ifa_addr, size, text.data(), text.size(), nullptr, 0, NI_NUMERICHOST) !=
+        0) {
+      continue;
+    }
+    // A link's own address needs the name of the link on the other machine.
+    if (std::string_view(text.data()).find('%') == std::string_view::npos) {
+      addresses.emplace_back(text.data());
+    }
+  }
+  ::freeifaddrs(all);
+  addresses.emplace_back("127.0.0.1");
+  return addresses;
+}
+
+/// What opens the page: the server's own addresses, then those behind the names, whose scheme and
+/// port the proxy decides.
+std::vector<std::string> page_addresses(const ServerOptions& options, int port) {
+  const std::string query = options.token.empty() ? "/" : "/?token=" + options.token;
+  const bool is_any = options.address == "0.0.0.0" || options.address == "::";
+  std::vector<std::string> addresses;
+  for (const std::string& host : is_any ? addresses_of_machine(options.address == "::")
+                                        : std::vector{options.address}) {
+    const bool is_v6 = host.find(':') != std::string::npos;
+    addresses.push_back((is_v6 ? "http://[" : "http://") + host + (is_v6 ? "]:" : ":") +
+                        std::to_string(port) + query);
+  }
+  for (const std::string& name : options.names) addresses.push_back(name + query);
+  return addresses;
 }
 
 /// Ends the program where something that cannot be interrupted, a phantom that is built say, goes
@@ -183,10 +229,10 @@ int live(const Arguments& arguments) {
   // Until here an interrupt ends the command at once, as there is nothing to keep.
   pipeline.prepare();
   stop_in_order();
-  const std::string address = page_address(options, server->port());
-  std::printf("%s\n", address.c_str());
+  const auto addresses = page_addresses(options, server->port());
+  for (const std::string& address : addresses) std::printf("%s\n", address.c_str());
   std::fflush(stdout);
-  if (arguments.open) progress.warn(open_address(address));
+  if (arguments.open) progress.warn(open_address(addresses.front()));
   {
     const std::jthread guard = end_in_time();
     const std::jthread status = send_status(panel, progress, *server);
@@ -213,6 +259,11 @@ Command add_live_command(CLI::App& app) {
       arguments->listen,
       "Also other machines: the IP address to serve at; the page's address then holds a token. "
       "Without it this machine alone, at 127.0.0.1");
+  add_list(command,
+           "--name",
+           arguments->names,
+           "Also through a proxy: the host's name that the browser shows; the page's address then "
+           "holds a token (repeatable)");
   add_integer(
       command, "--ring", arguments->ring, "Sticks that the board holds", 1, hw::kMaxRingSlots);
   add_seed(command,

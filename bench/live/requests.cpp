@@ -129,9 +129,9 @@ Json LiveRequests::answer(const nlohmann::json& request, ServerCalls::Answer& to
   } else if (what == "past") {
     pipeline_.show_past(request.at("number").get<std::uint64_t>(),
                         request.at("of").get<std::string>());
-  } else {
+  } else if (what != "ping") {
     throw UserError("do = " + what +
-                    ": must be hello, set, reset, play, pause, step, faults, show, save, compare, "
+                    ": must be hello, ping, set, reset, play, pause, step, faults, show, save, compare, "
                     "history or past");
   }
   return {{"type", "done"}, {"serial", serial}};

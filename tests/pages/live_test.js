@@ -186,7 +186,7 @@ test('a page finds the program again', async () => {
 test('1 000 malformed messages are refused one by one', () => withLive(async (page) => {
   const texts = ['', '{', '[]', 'null', '{"do": 3}', '{"do": "fly"}', '{"do": "set"}', '{"do": "set", "settings": "a"}',
     '{"do": "set", "settings": [1]}', '{"do": "set", "settings": ["phantom.file=/etc/passwd"]}',
-    '{"do": "set", "settings": ["render.correction=/etc/passwd"]}', '{"do": "set", "settings": ["render.program=sh"]}',
+    '{"do": "set", "settings": ["render.program=sh"]}',
     '{"do": "set", "settings": ["render.view.yaw_deg=[[[[[[1"]}', '{"do": "faults", "faults": "drop:7"}', '['.repeat(60000),
     ...Array.from({length: 85}, () => randomBytes(40).toString('latin1'))];
   const answers = await page.evaluate(async (messages) => {
@@ -211,7 +211,7 @@ test('other sites, names and methods are refused', async () => {
   const {host, origin, port} = new URL(live.address);
   const socket = (headers) => statusOf(live.address, {...upgrade, ...headers}, '/socket');
   assert.equal(await statusOf(live.address, {}), 200);
-  assert.equal(await statusOf(live.address, {Host: `localhost:${port}`}), 200);
+  assert.equal(await statusOf(live.address, {Host: `LOCALHOST:${port}`}), 200);
   assert.equal(await statusOf(live.address, {Host: `evil.example:${port}`}), 403);
   assert.equal(await statusOf(live.address, {Origin: 'http://evil.example'}), 403);
   assert.equal(await statusOf(live.address, {}, '/../../etc/passwd'), 404);
@@ -219,6 +219,36 @@ test('other sites, names and methods are refused', async () => {
   assert.equal(await socket({Host: host}), 403);
   assert.equal(await socket({Host: host, Origin: 'http://evil.example'}), 403);
   assert.equal(await socket({Host: `evil.example:${port}`, Origin: `http://evil.example:${port}`}), 403);
+  // A tunnel to another port, and the page of another server on this machine.
+  assert.equal(await socket({Host: 'localhost:9000', Origin: 'http://localhost:9000'}), 101);
+  assert.equal(await socket({Host: host, Origin: 'http://127.0.0.1:9000'}), 403);
+});
+
+test('behind a proxy the token opens the page, and --name the socket', async () => {
+  const other = await start(['--name', 'Bench.example.org']);
+  const {host, search} = new URL(other.address);
+  const socket = (Host, Origin, query = search) => statusOf(other.address, {...upgrade, Host, Origin}, `/socket${query}`);
+  assert.equal(other.said().split('\n')[1], `bench.example.org/${search}`);
+  assert.equal(await statusOf(other.address, {Host: 'bench.example.org'}, `/${search}`), 200);
+  assert.equal(await statusOf(other.address, {Host: 'bench.example.org'}, '/'), 403);
+  assert.equal(await socket('bench.example.org', 'https://bench.example.org'), 101);
+  assert.equal(await socket(host, 'https://bench.example.org'), 101);
+  assert.equal(await socket('lab-pc', 'http://lab-pc:8642'), 101);
+  assert.equal(await socket(host, 'https://bench.example.org', ''), 403);
+  assert.equal(await socket(host, 'https://evil.example'), 403);
+  other.child.kill();
+});
+
+test('the page notices that the program is silent, and goes on with it', async () => {
+  const other = await start();
+  await withLive(async (page) => {
+    other.child.kill('SIGSTOP');
+    await page.locator('#stage').filter({hasText: 'does not answer'}).waitFor();
+    other.child.kill('SIGCONT');
+    await page.locator('#stage').filter({hasText: 'Playing'}).waitFor();
+    await pictureOf(page, await set(page, ['render.view.roll_deg=3']));
+  }, {address: other.address});
+  other.child.kill();
 });
 
 test('with --listen nobody comes in without the token', async () => {

@@ -12,6 +12,9 @@ function unpack(buffer) {
   return {header, parts};
 }
 
+/** A connection that nothing came over for this long is asked for a sign; again as long later it is given up. */
+const silence_ms = 4000;
+
 class Link {
   /** `take(header, parts)` draws a message, and may return a promise; `open(is_open)` is told of the connection. */
   constructor(take, opened) {
@@ -20,13 +23,32 @@ class Link {
   }
 
   connect() {
-    const address = new URL('/socket' + location.search, location.href);
+    const address = new URL('socket' + location.search, location.href);
     address.protocol = location.protocol === 'https:' ? 'wss:' : 'ws:';
     this.socket = new WebSocket(address);
     this.socket.binaryType = 'arraybuffer';
     this.socket.onopen = () => { this.wait_ms = 250; this.opened(true); };
     this.socket.onmessage = ({data}) => this.receive(data);
     this.socket.onclose = () => this.reconnect();
+    this.heardAt = performance.now();
+    this.watch(this.socket);
+  }
+
+  /** A socket whose machine slept, or whose network went, says nothing of it. */
+  watch(socket, askedAt = 0) {
+    if (socket !== this.socket || socket.readyState > WebSocket.OPEN) return;
+    const now = performance.now();
+    let asked = this.heardAt > askedAt ? 0 : askedAt;
+    if (!asked && now - this.heardAt > silence_ms) {
+      asked = now;
+      if (this.isOpen()) this.ask({do: 'ping'});
+    } else if (asked && now - asked > silence_ms) {
+      socket.onopen = socket.onmessage = socket.onclose = null;
+      socket.close();
+      this.reconnect();
+      return;
+    }
+    setTimeout(() => this.watch(socket, asked), silence_ms / 4);
   }
 
   isOpen() {
@@ -42,6 +64,7 @@ class Link {
   }
 
   async receive(data) {
+    this.heardAt = performance.now();
     const {header, parts} = typeof data === 'string' ? {header: JSON.parse(data), parts: []} : unpack(data);
     if ('id' in header) {
       this.answers.get(header.id)?.(header);

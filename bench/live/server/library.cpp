@@ -293,7 +293,7 @@ class BeastServer : public LiveServer {
     shared_.options = options;
     shared_.calls = std::move(calls);
     bind();
-    shared_.served_as = {options.address, port(), options.token};
+    shared_.served_as = {options.token, options.names};
     accept();
     thread_ = std::thread([this] { shared_.context.run(); });
   }

@@ -9,6 +9,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace wobblebench::bench {
 
@@ -37,7 +38,8 @@ struct LiveMessage {
 struct ServerOptions {
   std::string address = "127.0.0.1";
   int port = 0;       ///< 0: any that is free
-  std::string token;  ///< that each page and socket must bring; empty: none
+  std::string token;               ///< that each page and socket must bring; empty: none
+  std::vector<std::string> names;  ///< in lower case, of proxies that it is behind
   int most_viewers = 8;
   std::size_t most_message_bytes = 65536;  ///< of a viewer's message
   int most_messages_per_s = 200;           ///< of a viewer; those beyond it wait

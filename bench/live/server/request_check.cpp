@@ -2,29 +2,46 @@
 
 #include <algorithm>
 #include <array>
+#include <cctype>
+#include <ranges>
 
 namespace wobblebench::bench {
 
 namespace {
 
-/// IPv6 addresses stand in brackets in front of a port.
-std::string host_name(const std::string& address) {
-  if (address.find(':') == std::string::npos) return address;
-  return std::string("[").append(address).append("]");
+std::string in_lower_case(std::string_view text) {
+  std::string lower(text);
+  std::ranges::transform(lower, lower.begin(), [](unsigned char c) { return std::tolower(c); });
+  return lower;
 }
 
-bool is_any_address(const std::string& address) {
-  return address == "0.0.0.0" || address == "::";
+/// A host in lower case, without its port. IPv6 addresses stand in brackets in front of one.
+std::string name_of(std::string_view host) {
+  const auto port = host.find(':', host.starts_with('[') ? host.find(']') : 0);
+  return in_lower_case(host.substr(0, port));
+}
+
+bool contains(std::ranges::range auto&& names, const std::string& name) {
+  return std::ranges::find(names, name) != std::ranges::end(names);
 }
 
 bool names_server(std::string_view host, const ServedAs& server) {
-  const std::string port = std::string(":").append(std::to_string(server.port));
-  if (!host.ends_with(port)) return server.port == 80 && host == host_name(server.address);
-  host.remove_suffix(port.size());
-  // A server on every address has names that it does not know; the token protects it.
-  if (is_any_address(server.address)) return true;
+  // Behind a tunnel or proxy it has names and ports that it does not know; the token protects it.
+  if (!server.token.empty()) return true;
   constexpr std::array<std::string_view, 3> kLoopback = {"127.0.0.1", "localhost", "[::1]"};
-  return host == host_name(server.address) || std::ranges::find(kLoopback, host) != kLoopback.end();
+  return contains(kLoopback, name_of(host));
+}
+
+bool is_own_page(std::string_view origin, std::string_view host, const ServedAs& server) {
+  for (const std::string_view scheme : {"http://", "https://"}) {
+    if (!origin.starts_with(scheme)) continue;
+    origin.remove_prefix(scheme.size());
+    if (in_lower_case(origin) == in_lower_case(host)) return true;
+    // What a proxy makes of Host may lack the port, or name the server behind it.
+    const std::string name = name_of(origin);
+    return !server.token.empty() && (name == name_of(host) || contains(server.names, name));
+  }
+  return false;
 }
 
 /// In a time that does not tell how much of it is right.
@@ -65,10 +82,13 @@ std::string_view path_of(std::string_view target) {
 }
 
 std::string why_refused(const RequestFacts& request, const ServedAs& server) {
-  if (!names_server(request.host, server)) return "Host is not this server";
-  std::string own = "http://";
-  own += request.host;
-  if (!request.origin.empty() && request.origin != own) return "Origin is not this server's page";
+  if (!names_server(request.host, server)) {
+    return "Host is not this server: without a token it is localhost, 127.0.0.1 or [::1]; live "
+           "--name takes others";
+  }
+  if (!request.origin.empty() && !is_own_page(request.origin, request.host, server)) {
+    return "Origin is not this server's page; behind a proxy, live --name takes its name";
+  }
   if (request.is_socket && request.origin.empty()) return "Origin is missing";
   if (server.token.empty() || !needs_token(path_of(request.target))) return "";
   return equal_secrets(token_of(request.target), server.token)

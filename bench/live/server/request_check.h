@@ -3,6 +3,7 @@
 
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace wobblebench::bench {
 
@@ -14,16 +15,16 @@ struct RequestFacts {
   bool is_socket = false;   ///< asks for a WebSocket
 };
 
-/// The server's address, as --listen gives it, and port; the token that requests must bring.
+/// What requests must bring, and where they may come from.
 struct ServedAs {
-  std::string address;
-  int port = 0;
-  std::string token;  ///< empty: none is asked for
+  std::string token;               ///< empty: none is asked for
+  std::vector<std::string> names;  ///< in lower case, of proxies that it is behind
 };
 
-/// Why a request is refused, as one line; empty: it is answered. Host must name this server, so
-/// that no other site's name leads here (DNS rebinding); the page of a WebSocket must be the
-/// server's own (Origin); the token must be in the query, token=….
+/// Why a request is refused, as one line; empty: it is answered. Without a token Host must be this
+/// machine, so that no other site's name leads here (DNS rebinding), at any port, which a tunnel
+/// may change; the page of a WebSocket must be the server's own (Origin); the token must be in the
+/// query, token=….
 std::string why_refused(const RequestFacts& request, const ServedAs& server);
 
 /// The target without its query.
