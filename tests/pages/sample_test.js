@@ -1,9 +1,10 @@
 // Each kind of block on a page of known values (sample_page.cpp).
 import assert from 'node:assert/strict';
+import {readFileSync} from 'node:fs';
 import {join} from 'node:path';
 import {before, test} from 'node:test';
 
-import {checkScreen, checkScreens, coloursAt, linesOf, phone, readMap, scratch, withPage} from './browser.js';
+import {checkScreen, checkScreens, coloursAt, linesOf, newPage, phone, readMap, scratch, withPage} from './browser.js';
 
 const folder = scratch('sample');
 const sample = join(folder, 'sample.html');
@@ -40,6 +41,18 @@ test('two pictures side by side, one through the other, and their difference', (
   const [[r, g, b]] = await coloursAt(page, pair, [[0.5, 0.5]]);
   assert.ok(Math.abs(r - 128) < 3 && g === 0 && Math.abs(b - 128) < 3, `${r} ${g} ${b}`);
 }));
+
+test('where a server forbids style, script and pictures, a line says so and names the files', async () => {
+  const {context, page} = await newPage(() => true);
+  await page.route('http://ci.invalid/**', (route) => route.fulfill({contentType: 'text/html', body: readFileSync(sample),
+    headers: {'Content-Security-Policy': "sandbox; default-src 'none'; img-src 'self'; style-src 'self'"}}));
+  await page.goto('http://ci.invalid/sample.html');
+  assert.match(await page.locator('p.blocked').innerText(), /forbids its style/);
+  const named = await page.locator('figure a.blocked:visible').allInnerTexts();
+  assert.equal(named.length, await page.locator('figure img').count());
+  assert.match(named[0], /\.png$/);
+  await context.close();
+});
 
 test('a map says the value of each pixel under the pointer', () => withPage(sample, async (page) => {
   const map = page.locator('#m-error');

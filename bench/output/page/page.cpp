@@ -182,7 +182,8 @@ class HtmlOf {
                            const std::string& bytes,
                            const char* more = "") {
     return "<img src=\"" + picture_address(bytes) + "\"" + attribute("alt", picture.caption) +
-           size_attributes(bytes) + more + ">";
+           size_attributes(bytes) + more + "><a class=\"blocked\"" + attribute("href", picture.file) +
+           ">" + escaped(picture.file) + "</a>";
   }
   static std::string said_of(const Picture& picture, const std::string& bytes) {
     if (!is_jpeg(bytes)) return picture.caption;
@@ -230,6 +231,12 @@ std::string security_policy(bool with_charts) {
          "; base-uri 'none'; form-action 'none'";
 }
 
+/// Shown where a server, as those of CI do, forbids the style that hides it. Script and pictures
+/// are then forbidden, too.
+constexpr const char* kBlocked =
+    "<p class=\"blocked\">The server of this page forbids its style, script and pictures: open the "
+    "file from a disk, or see the pictures and tables (.md, .csv) beside it.</p>\n";
+
 std::string script(std::string_view asset) {
   return "<script>" + std::string(page_asset(asset)) + "</script>\n";
 }
@@ -245,7 +252,7 @@ std::string html(const Document& document, const ReadPicture& read_picture) {
       security_policy(with_charts) + "\">\n<title>" + escaped(document.title) +
       "</title>\n<style>" + std::string(page_asset("page.css")) +
       "</style>\n</head>\n<body data-charts=\"" + (with_charts ? "yes" : "no") +
-      "\">\n<header><h1>" + escaped(document.title) + "</h1></header>\n<main>\n";
+      "\">\n<header><h1>" + escaped(document.title) + "</h1></header>\n<main>\n" + kBlocked;
   const HtmlOf html_of(document, read_picture);
   for (const Block& block : document.blocks) page += std::visit(html_of, block);
   page += "</main>\n";
