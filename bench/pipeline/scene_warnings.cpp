@@ -73,7 +73,9 @@ std::vector<std::string> scene_warnings(const Scene& scene, SampleSource source)
 
 void warn_of_scene(const Scene& scene, SampleSource source, Progress& progress) {
   for (const std::string& text : scene_warnings(scene, source)) progress.warn(text);
-  progress.warn(idle_options_text(idle_options(scene, scene.given, source)));
+  std::set<std::string> chosen = scene.given;
+  for (const std::string& key : scene.reported) chosen.erase(key);
+  progress.warn(idle_options_text(idle_options(scene, chosen, source)));
 }
 
 void warn_of_scenes(const std::vector<Scene>& scenes, Progress& progress) {

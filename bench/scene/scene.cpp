@@ -369,6 +369,8 @@ Scene load_resolved_scene(const nlohmann::ordered_json& resolved,
   seek_surface_alone(scene);
   correct_no_beam(scene);
   validate(scene, from);
+  scene.reported = scene.given;
+  for (const auto& setting : settings) scene.reported.erase(setting.substr(0, setting.find('=')));
   return scene;
 }
 

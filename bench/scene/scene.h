@@ -63,6 +63,8 @@ struct Scene {
   PictureOptions picture;
   render::RenderOptions render = render::render_preset(picture.preset);
   std::set<std::string> given;  ///< dotted keys that the file or --set named
+  /// Those of them that stand in a report, which names every option: nobody's choice.
+  std::set<std::string> reported;
 
   hw::AcquisitionPlan plan() const { return {probe, acquisition}; }
   /// Whether the options set any motion.
