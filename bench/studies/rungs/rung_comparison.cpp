@@ -234,7 +234,6 @@ std::vector<PlannedStep> rungs_steps(int repeats) {
   return {{"memory", 50},
           {"phantom", 4},
           {"times", 6.0 + 6.0 * repeats},
-          {"stages", 4},
           {"growth", 60},
           {"errors", 15},
           {"reference", 20},
@@ -251,17 +250,8 @@ RungsResults measure_rungs(const Scene& scene, int repeats, Progress& progress) 
   const auto subject = progress.step(
       "phantom", [&] { return scene_of(scene, phantoms::make_phantom(scene.phantom)); });
   results.sound_ms = to_milliseconds(subject.plan.volume_duration());
-  results.samples = static_cast<double>(subject.plan.sticks_per_volume()) *
-                    subject.plan.acquisition().samples_per_stick;
   results.times = progress.step("times", [&](const PartDone& done) {
     return measure_times(subject, volume_rungs(), repeats, done);
-  });
-  progress.step("stages", [&](const PartDone& done) {
-    PartCount parts(volume_rungs().size(), done);
-    for (const sim::Rung rung : volume_rungs()) {
-      results.stages.push_back(measure_stages(subject, rung));
-      parts.finish_one();
-    }
   });
   results.growth = progress.step("growth", [&](const PartDone& done) {
     return measure_growth(volume_rungs(), scene.simulation, {}, done);

@@ -94,20 +94,6 @@ double growth_exponent(const std::vector<GrowthPoint>& points,
                        sim::Rung rung,
                        Spread VolumeTime::*time);
 
-/// CPU time of one volume of a moving phantom on one thread.
-struct StageTimes {
-  sim::Rung rung = sim::Rung::field;
-  std::vector<std::pair<std::string, double>> stages;  ///< in the order of the signal path
-  double once_ms = 0;  ///< homogeneous speckle or the beam's table: once per probe and seed
-  std::uint64_t scatterers = 0;  ///< echoes of single scatterers, over all sticks
-
-  double total_ms() const;
-};
-
-/// Times the stages that the simulator calls (sim/rungs/stick_propagation.h,
-/// sim/rungs/echo_model.h) one by one; "rest" is what remains of its total time.
-StageTimes measure_stages(const RungScene& scene, sim::Rung rung);
-
 /// Detected ranges of a surface along sticks less the expected ones; NaN where there are none.
 struct RangeError {
   double median_mm = std::numeric_limits<double>::quiet_NaN();      ///< signed
@@ -164,12 +150,10 @@ struct RungFrame {
 struct RungsResults {
   std::string phantom;
   double sound_ms = 0;  ///< acquisition time of a volume
-  double samples = 0;   ///< per volume
   int repeats = 0;
   std::vector<std::uint64_t> seeds;
   std::vector<MemoryPeak> memory;
   std::vector<RungTime> times;
-  std::vector<StageTimes> stages;
   std::vector<GrowthPoint> growth;
   std::vector<RungError> errors;
   VolumeTime small_scatterers;  ///< of small_sheet()

@@ -97,29 +97,6 @@ Figure rungs_figure(const RungsResults& results) {
           {chart}};
 }
 
-Figure stages_figure(const RungsResults& results) {
-  BarChart chart{"Where the time of a moving volume goes", "share of CPU time (%)", {}, {}};
-  std::vector<std::string> names;
-  for (const StageTimes& stages : results.stages) {
-    chart.rows.push_back(sim::to_string(stages.rung));
-    for (const auto& [name, ms] : stages.stages) {
-      if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
-    }
-  }
-  for (const std::string& name : names) {
-    BarPart part{name, {}};
-    for (const StageTimes& stages : results.stages) {
-      double percent = 0;
-      for (const auto& [stage, ms] : stages.stages) {
-        if (stage == name) percent = 100 * ms / stages.total_ms();
-      }
-      part.values.push_back(percent);
-    }
-    chart.parts.push_back(part);
-  }
-  return {"stages", "CPU time of one volume on one thread, by stage.", {chart}};
-}
-
 Figure growth_figure(const RungsResults& results) {
   return {"growth",
           "How the time of a volume grows with its sizes; all but one stay the same.",

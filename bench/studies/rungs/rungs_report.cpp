@@ -29,19 +29,6 @@ const RungTime* time_of(const RungsResults& results, sim::Rung rung) {
   return nullptr;
 }
 
-/// Estimated lower bound of the time of a volume on two AVX2 cores: 10 ms for the 1.21 million
-/// samples of `field`, 0.2 s for 47 million scatterers. 0: no estimate.
-double floor_ms(sim::Rung rung, const RungsResults& results) {
-  constexpr double kFieldFloor_ms = 10, kFieldSamples = 1.21e6;
-  constexpr double kScattererFloor_ms = 200, kScatterers = 47e6;
-  if (rung == sim::Rung::field) return kFieldFloor_ms * results.samples / kFieldSamples;
-  for (const StageTimes& stages : results.stages) {
-    if (stages.rung != rung || stages.scatterers == 0) continue;
-    return kScattererFloor_ms * static_cast<double>(stages.scatterers) / kScatterers;
-  }
-  return 0;
-}
-
 std::string origin_of(const RungsResults& results, const Provenance& provenance) {
   return "Made by `wobblebench rungs`. Commit " + provenance.commit + ", " + provenance.cpu + ", " +
          std::to_string(provenance.threads) + " threads. Phantom " + results.phantom +
@@ -170,64 +157,6 @@ Table times_table(const RungsResults& results) {
   return table;
 }
 
-Table floors_table(const RungsResults& results) {
-  Table table{.name = "floors",
-              .columns = {{"rung"},
-                          {"floor_ms", "floor", "ms", 0},
-                          {"moving_over_floor", "moving volume over floor", "", 1},
-                          {"first_over_floor", "first volume over floor", "", 1}}};
-  for (const RungTime& time : results.times) {
-    const double floor = floor_ms(time.rung, results);
-    if (floor == 0) continue;
-    table.add({sim::to_string(time.rung),
-               floor,
-               time.moving_ms.median / floor,
-               time.first_ms.median / floor});
-  }
-  return table;
-}
-
-void add_times(const RungsResults& results, Document& document) {
-  document.add(Heading{"Time of a volume"}).add(Text{times_method()}).add(times_table(results));
-  document.add(
-      Text{"The floor is the design's estimate for two AVX2 cores: 10 ms for the 1.21 million "
-           "samples of a volume of `field` (50 multiplications and additions a sample, look-ups, "
-           "hashes), 0.2 s for 47 million scatterers' echoes."});
-  document.add(floors_table(results));
-}
-
-Table stages_table(const RungsResults& results) {
-  Table table{
-      .name = "stages",
-      .columns = {
-          {"rung"}, {"stage"}, {"cpu_ms", "CPU", "ms", 1}, {"share_percent", "share", "%", 0}}};
-  for (const StageTimes& stages : results.stages) {
-    if (stages.once_ms > 0) {
-      table.add({sim::to_string(stages.rung), "before the first stick", stages.once_ms, Cell()});
-    }
-    for (const auto& [name, ms] : stages.stages) {
-      table.add({sim::to_string(stages.rung), name, ms, 100 * ms / stages.total_ms()});
-    }
-  }
-  return table;
-}
-
-void add_stages(const RungsResults& results, Document& document) {
-  document.add(Heading{"Where the time goes"});
-  document.add(
-      Text{"CPU time of a moving volume on one thread; the simulator's own stages, called "
-           "one by one."});
-  document.add(stages_table(results));
-  for (const StageTimes& stages : results.stages) {
-    if (stages.scatterers == 0) continue;
-    const auto echoes = static_cast<double>(stages.scatterers);
-    document.add(Text{sim::to_string(stages.rung) + ": " + fixed(1e-6 * echoes, 1) +
-                      " million echoes of scatterers a volume, " +
-                      fixed(1e6 * stages.stages.at(2).second / echoes, 1) +
-                      " ns of CPU time each."});
-  }
-}
-
 void add_memory(const RungsResults& results, Document& document) {
   if (results.memory.empty()) return;
   Table table{.name = "memory",
@@ -307,9 +236,7 @@ Document rungs_document(const RungsResults& results, const Provenance& provenanc
   document.add(Picture{kFramesFile,
                        "The middle frame of " + results.phantom +
                            " on each rung: display range and depth as in the scene."});
-  add_times(results, document);
-  add_stages(results, document);
-  document.add(stages_figure(results));
+  document.add(Heading{"Time of a volume"}).add(Text{times_method()}).add(times_table(results));
   add_memory(results, document);
   add_growth(results, document);
   document.add(growth_figure(results)).add(tissue_figure(results));

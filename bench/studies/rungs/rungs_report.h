@@ -17,7 +17,6 @@ Image<glm::vec3> frames_picture(const RungsResults& results);
 
 /// Each rung's time against its error against the rung above.
 Figure rungs_figure(const RungsResults& results);
-Figure stages_figure(const RungsResults& results);
 Figure growth_figure(const RungsResults& results);
 Figure tissue_figure(const RungsResults& results);
 

@@ -57,16 +57,6 @@ TEST(Rungs, GrowthVariesOneSizeAtATime) {
   EXPECT_EQ(tissue[2], 1);
 }
 
-TEST(Rungs, StagesCoverTheRungTheyBelongTo) {
-  const auto scene = sphere_scene();
-  for (const Rung rung : volume_rungs()) {
-    const auto stages = measure_stages(scene, rung);
-    EXPECT_EQ(stages.stages.front().first, "follow");
-    EXPECT_GT(stages.total_ms(), 0);
-    EXPECT_EQ(stages.scatterers > 0, rung == Rung::scatterers);
-  }
-}
-
 TEST(Rungs, TrueRangesMeetTheSphere) {
   const auto scene = sphere_scene();
   const auto ranges = true_ranges(scene);
@@ -136,7 +126,6 @@ RungsResults made_up_results() {
     const Spread time{ms, 0.9 * ms, 1.5 * ms};
     results.times.push_back({rung, time, time, time, time, time, time});
     results.growth.push_back({"sticks", 16, rung, {time, time}});
-    results.stages.push_back({rung, {{"follow", 0.25 * ms}, {"rest", 0.75 * ms}}, 0, 0});
     for (const char* body : {"ball", "sheet"}) {
       const double db = rung == Rung::geometry ? 8 : 2;
       const RangeError range{0.1, 0.2, 0.4, 50, 1.5};
