@@ -302,10 +302,8 @@ int inspect(const InspectArguments& arguments) {
     return inspect_foreign(arguments);
   }
   if (!arguments.geometry.empty()) {
-    throw UserError(
-        "--geometry: acts with a file of another program (.mha, .nrrd, .vol, .hdf5, .raw, "
-        ".img); " +
-        arguments.recording.string() + " is none");
+    throw UserError(std::string("--geometry: acts with a file of another program (") +
+                    kForeignNames + "); " + arguments.recording.string() + " is none");
   }
   try {
     const auto contents = hw::inspect_recording(arguments.recording);
@@ -328,7 +326,7 @@ Command add_inspect_command(CLI::App& app) {
       command,
       "RECORDING",
       arguments->recording,
-      "File that `record` wrote, or another program's: .mha, .nrrd, .vol, .hdf5, .raw, .img");
+      std::string("File that `record` wrote, or another program's: ") + kForeignNames);
   add_path(command,
            "--geometry",
            arguments->geometry,

@@ -1,21 +1,18 @@
-// Which files are of other programs, by their names.
+// Which files are of other programs.
 #pragma once
 
 #include <filesystem>
 
 namespace wobblebench::bench {
 
-enum class ForeignFormat { none, meta_image, nrrd, raw, kretz, zea };
+/// `numpy`, `dicom`: known, and not read as scans.
+enum class ForeignFormat { none, meta_image, nrrd, raw, kretz, zea, numpy, dicom };
 
-/// `none`: a recording of ours, as far as the name says.
-inline ForeignFormat foreign_format(const std::filesystem::path& path) {
-  const auto extension = path.extension();
-  if (extension == ".mha") return ForeignFormat::meta_image;
-  if (extension == ".nrrd") return ForeignFormat::nrrd;
-  if (extension == ".raw" || extension == ".img") return ForeignFormat::raw;
-  if (extension == ".vol") return ForeignFormat::kretz;
-  if (extension == ".hdf5" || extension == ".h5") return ForeignFormat::zea;
-  return ForeignFormat::none;
-}
+/// By a file's first bytes, else by its name. `none`: a recording of ours, as far as they say. What
+/// is no regular file, as a FIFO, is not opened.
+ForeignFormat foreign_format(const std::filesystem::path& path);
+
+/// "(.mha, …)", for refusals.
+inline constexpr const char* kForeignNames = ".mha, .mhd, .nrrd, .nhdr, .vol, .hdf5, .raw, .img";
 
 }  // namespace wobblebench::bench

@@ -7,6 +7,7 @@
 #include "base/file.h"
 #include "base/number_text.h"
 #include "base/user_error.h"
+#include "bench/exchange/files/stored_voxels.h"
 
 namespace wobblebench::bench {
 
@@ -14,24 +15,18 @@ namespace {
 
 constexpr std::size_t kMostMetaHeader = 64 << 20;  // a sequence has fields for each frame
 
-const std::vector<std::pair<std::string, Element>>& meta_types() {
-  static const std::vector<std::pair<std::string, Element>> types = {
-      {"MET_CHAR", Element::int8},
-      {"MET_UCHAR", Element::uint8},
-      {"MET_SHORT", Element::int16},
-      {"MET_USHORT", Element::uint16},
-      {"MET_INT", Element::int32},
-      {"MET_UINT", Element::uint32},
-      {"MET_FLOAT", Element::float32},
-      {"MET_DOUBLE", Element::float64}};
-  return types;
-}
+const ElementNames kMetaTypes = {{Element::int8, "|MET_CHAR|"},
+                                 {Element::uint8, "|MET_UCHAR|"},
+                                 {Element::int16, "|MET_SHORT|"},
+                                 {Element::uint16, "|MET_USHORT|"},
+                                 {Element::int32, "|MET_INT|"},
+                                 {Element::uint32, "|MET_UINT|"},
+                                 {Element::float32, "|MET_FLOAT|"},
+                                 {Element::float64, "|MET_DOUBLE|"}};
 
 std::string type_name(Element element) {
-  for (const auto& [name, type] : meta_types()) {
-    if (type == element) return name;
-  }
-  return "";
+  const auto found = std::ranges::find(kMetaTypes, element, &ElementNames::value_type::first);
+  return std::string(found->second.substr(1, found->second.size() - 2));
 }
 
 template <class T>
@@ -42,54 +37,51 @@ std::string spaced(const std::vector<T>& values) {
   return text.str();
 }
 
-bool is_true(std::string text) {
-  std::ranges::transform(text, text.begin(), [](unsigned char c) { return std::tolower(c); });
-  return text == "true" || text == "1";
+/// Of a field; none: it is not given.
+std::optional<bool> flag_of(const VoxelFile& file, std::initializer_list<const char*> names) {
+  const auto* found = field_of(file.fields, names);
+  if (found == nullptr) return {};
+  const std::string value = lower_case(found->second);
+  if (value == "true" || value == "1") return true;
+  if (value == "false" || value == "0") return false;
+  throw UserError(file.path.string() + ": " + found->first + " = " + found->second +
+                  ": must be True or False");
 }
 
 /// The fields up to ElementDataFile, and where the voxels begin.
-std::map<std::string, std::string> split_header(const std::filesystem::path& path,
-                                                std::uint64_t& end) {
+HeaderFields split_header(const std::filesystem::path& path, std::uint64_t& end) {
   const std::string text = read_file(path, kMostMetaHeader);
-  std::map<std::string, std::string> fields;
+  HeaderFields fields;
   for (std::size_t at = 0; at < text.size();) {
-    const std::size_t line_end = text.find('\n', at);
+    const std::size_t line_end = std::min(text.find('\n', at), text.size());
     const std::string_view line = std::string_view(text).substr(at, line_end - at);
     const std::size_t equals = line.find('=');
-    if (line_end == std::string::npos || equals == std::string_view::npos) break;
+    if (equals == std::string_view::npos) break;
     const std::string key = trimmed(line.substr(0, equals));
     fields[key] = trimmed(line.substr(equals + 1));
     at = line_end + 1;
-    if (key != "ElementDataFile") continue;
-    end = at;
+    if (lower_case(key) != "elementdatafile") continue;
+    end = std::min(at, text.size());
     return fields;
   }
-  throw UserError(path.string() +
-                  ": is no MetaImage: no line of its header is ElementDataFile = LOCAL");
+  throw UserError(path.string() + ": is no MetaImage: its header has no ElementDataFile");
 }
 
 void read_positions(VoxelFile& file) {
-  const auto value = [&](const std::vector<std::string>& names) {
-    for (const auto& name : names) {
-      const auto found = file.fields.find(name);
-      if (found != file.fields.end()) return found;
-    }
-    return file.fields.end();
-  };
   const std::size_t axes = file.sizes.size();
-  const auto spacing = value({"ElementSpacing", "ElementSize"});
-  if (spacing == file.fields.end()) return;
-  const auto step = numbers_in(file.path, spacing->first, spacing->second, axes);
+  const auto* spacing = field_of(file.fields, {"ElementSpacing", "ElementSize"});
+  if (spacing == nullptr) file.missing = "ElementSpacing is missing";
+  if (spacing == nullptr) return;
+  const auto numbers = [&](const HeaderFields::value_type& field, std::size_t count) {
+    return numbers_in(file.path, field.first, field.second, count);
+  };
+  const auto step = numbers(*spacing, axes);
   std::vector<double> matrix(axes * axes, 0.0), offset(axes, 0.0);
   for (std::size_t i = 0; i < axes; ++i) matrix[i * axes + i] = 1;
-  const auto turned = value({"TransformMatrix", "Orientation", "Rotation"});
-  if (turned != file.fields.end()) {
-    matrix = numbers_in(file.path, turned->first, turned->second, axes * axes);
-  }
-  const auto placed = value({"Offset", "Position", "Origin"});
-  if (placed != file.fields.end()) {
-    offset = numbers_in(file.path, placed->first, placed->second, axes);
-  }
+  const auto* turned = field_of(file.fields, {"TransformMatrix", "Orientation", "Rotation"});
+  if (turned != nullptr) matrix = numbers(*turned, axes * axes);
+  const auto* placed = field_of(file.fields, {"Offset", "Position", "Origin"});
+  if (placed != nullptr) offset = numbers(*placed, axes);
   const std::size_t in_space = std::min<std::size_t>(axes, 3);  // a fourth one is time
   for (std::size_t axis = 0; axis < in_space; ++axis) {
     glm::dvec3 direction(0);
@@ -102,20 +94,31 @@ void read_positions(VoxelFile& file) {
 }
 
 Element read_element(const VoxelFile& file) {
-  const auto found = file.fields.find("ElementType");
-  const std::string name = found == file.fields.end() ? "" : found->second;
-  for (const auto& [known, type] : meta_types()) {
-    if (known == name) return type;
-  }
+  const auto* found = field_of(file.fields, {"ElementType"});
+  const std::string name = found == nullptr ? "" : found->second;
+  if (const auto element = element_of(kMetaTypes, name)) return *element;
   throw UserError(file.path.string() + ": ElementType = " + name +
                   ": must be MET_UCHAR, MET_CHAR, MET_USHORT, MET_SHORT, MET_UINT, MET_INT, "
                   "MET_FLOAT or MET_DOUBLE");
 }
 
-void refuse_true(const VoxelFile& file, const std::string& field, const std::string& why) {
-  const auto found = file.fields.find(field);
-  if (found == file.fields.end() || !is_true(found->second)) return;
-  throw UserError(file.path.string() + ": " + field + " = " + found->second + ": " + why);
+StoredVoxels stored_voxels(const VoxelFile& file) {
+  StoredVoxels stored{.field = "ElementDataFile"};
+  const std::string& data = file.fields.at(stored.field);
+  if (lower_case(data) != "local") stored.file = data;
+  const bool is_deflated = flag_of(file, {"CompressedData"}).value_or(false);
+  const bool is_text = !flag_of(file, {"BinaryData"}).value_or(true);
+  if (is_deflated || is_text) {
+    stored.as = is_deflated ? StoredVoxels::As::deflated : StoredVoxels::As::text;
+  }
+  const auto whole = [&](const char* name, std::int64_t least) -> std::optional<std::int64_t> {
+    const auto* found = field_of(file.fields, {name});
+    if (found == nullptr) return {};
+    return whole_in(file.path, name, found->second, least);
+  };
+  stored.skipped_bytes = whole("HeaderSize", -1).value_or(0);
+  if (is_deflated) stored.bytes = whole("CompressedDataSize", 0);
+  return stored;
 }
 
 }  // namespace
@@ -144,11 +147,6 @@ std::string meta_image_text(const MetaHeader& header) {
 VoxelFile read_meta_image(const std::filesystem::path& path) {
   VoxelFile file{.path = path, .data_path = path};
   file.fields = split_header(path, file.offset);
-  if (const std::string& data = file.fields["ElementDataFile"]; data != "LOCAL") {
-    throw UserError(path.string() + ": ElementDataFile = " + data +
-                    ": must be LOCAL: voxels follow the header in one file");
-  }
-  refuse_true(file, "CompressedData", "must be False: compressed voxels are not read");
   if (file.fields.contains("ElementNumberOfChannels") &&
       file.fields["ElementNumberOfChannels"] != "1") {
     throw UserError(path.string() + ": ElementNumberOfChannels = " +
@@ -156,7 +154,7 @@ VoxelFile read_meta_image(const std::filesystem::path& path) {
   }
   file.element = read_element(file);
   file.big_endian =
-      is_true(file.fields["BinaryDataByteOrderMSB"]) || is_true(file.fields["ElementByteOrderMSB"]);
+      flag_of(file, {"BinaryDataByteOrderMSB", "ElementByteOrderMSB"}).value_or(false);
   file.sizes = sizes_in(path, "DimSize", file.fields["DimSize"]);
   if (numbers_in(path, "NDims", file.fields["NDims"], 1)[0] !=
       static_cast<double>(file.sizes.size())) {
@@ -164,7 +162,7 @@ VoxelFile read_meta_image(const std::filesystem::path& path) {
                     std::to_string(file.sizes.size()) + " numbers");
   }
   read_positions(file);
-  check_size(file);
+  take_voxels(stored_voxels(file), file);
   return file;
 }
 

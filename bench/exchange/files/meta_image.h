@@ -1,5 +1,5 @@
-// MetaImage files (.mha), header and voxels in one file, with the fields that PLUS and SlicerIGSIO
-// write for each frame of a sequence (Seq_FrameNNNN_NAME).
+// MetaImage files: .mha, and .mhd with the voxels beside it; with the fields that PLUS and
+// SlicerIGSIO write for each frame of a sequence (Seq_FrameNNNN_NAME).
 #pragma once
 
 #include <string>
@@ -25,7 +25,7 @@ struct MetaHeader {
 std::string meta_image_text(const MetaHeader& header);
 
 /// Reads a header. `fields` are all that it has. Spacing that is not given is none. Throws
-/// UserError "PATH: …" for what is no MetaImage, is compressed, or has its voxels elsewhere.
+/// UserError "PATH: …" for what is no MetaImage, or lacks its voxels.
 VoxelFile read_meta_image(const std::filesystem::path& path);
 
 /// "Seq_Frame0012_NAME".

@@ -6,6 +6,7 @@
 #include "base/file.h"
 #include "base/number_text.h"
 #include "base/user_error.h"
+#include "bench/exchange/files/stored_voxels.h"
 
 namespace wobblebench::bench {
 
@@ -26,104 +27,88 @@ std::string joined(const std::vector<std::string>& words, const char* quote) {
   return text;
 }
 
-const std::map<std::string, Element>& nrrd_types() {
-  static const std::map<std::string, Element> types = {
-      {"signed char", Element::int8},    {"int8", Element::int8},
-      {"int8_t", Element::int8},         {"uchar", Element::uint8},
-      {"unsigned char", Element::uint8}, {"uint8", Element::uint8},
-      {"uint8_t", Element::uint8},       {"short", Element::int16},
-      {"int16", Element::int16},         {"int16_t", Element::int16},
-      {"ushort", Element::uint16},       {"unsigned short", Element::uint16},
-      {"uint16", Element::uint16},       {"uint16_t", Element::uint16},
-      {"int", Element::int32},           {"int32", Element::int32},
-      {"int32_t", Element::int32},       {"uint", Element::uint32},
-      {"unsigned int", Element::uint32}, {"uint32", Element::uint32},
-      {"uint32_t", Element::uint32},     {"float", Element::float32},
-      {"double", Element::float64}};
-  return types;
-}
+const ElementNames kNrrdTypes = {
+    {Element::int8, "|signed char|int8|int8_t|"},
+    {Element::uint8, "|uchar|unsigned char|uint8|uint8_t|"},
+    {Element::int16, "|short|short int|signed short|signed short int|int16|int16_t|"},
+    {Element::uint16, "|ushort|unsigned short|unsigned short int|uint16|uint16_t|"},
+    {Element::int32, "|int|signed int|int32|int32_t|"},
+    {Element::uint32, "|uint|unsigned int|uint32|uint32_t|"},
+    {Element::float32, "|float|"},
+    {Element::float64, "|double|"}};
 
 /// Fields and key/value pairs of a header, and where it ends.
 struct NrrdText {
-  std::map<std::string, std::string> fields;
-  std::map<std::string, std::string> pairs;
-  std::uint64_t end = 0;
+  HeaderFields fields, pairs;
+  std::uint64_t end = SIZE_MAX;
 };
+
+constexpr std::initializer_list<const char*> kDataFile = {"data file", "datafile"};
 
 NrrdText split_header(const std::filesystem::path& path) {
   const std::string text = read_file(path, kMostNrrdHeader);
   if (!text.starts_with("NRRD000")) throw UserError(path.string() + ": is no NRRD file");
   NrrdText header;
-  std::size_t at = text.find('\n');
-  while (at != std::string::npos) {
-    const std::size_t end = text.find('\n', at + 1);
-    if (end == std::string::npos) break;
-    const std::string line = trimmed(std::string_view(text).substr(at + 1, end - at - 1));
+  for (std::size_t at = text.find('\n'); at < text.size();) {
+    const std::size_t end = std::min(text.find('\n', at + 1), text.size());
+    const std::string line = trimmed(std::string_view(text).substr(at + 1, end - at - 1)) + " ";
     at = end;
-    if (line.empty()) {
+    // A header that lies apart may end with its file.
+    if (end == text.size() && field_of(header.fields, kDataFile) == nullptr) break;
+    if (line == " ") {
       header.end = end + 1;
-      return header;
+      break;
     }
     if (line.starts_with('#')) continue;
     const std::size_t pair = line.find(":="), colon = line.find(": ");
-    if (pair != std::string::npos && pair < colon) {
-      header.pairs[line.substr(0, pair)] = line.substr(pair + 2);
-    } else if (colon != std::string::npos) {
-      header.fields[line.substr(0, colon)] = trimmed(line.substr(colon + 2));
-    } else {
-      throw UserError(path.string() + ": header line \"" + line + "\" is no FIELD: VALUE");
+    if (std::min(pair, colon) == std::string::npos) {
+      throw UserError(path.string() + ": header line \"" + trimmed(line) + "\" is no FIELD: VALUE");
     }
+    auto& into = pair < colon ? header.pairs : header.fields;
+    into[line.substr(0, std::min(pair, colon))] = trimmed(line.substr(std::min(pair, colon) + 2));
   }
+  if (header.end <= text.size() || field_of(header.fields, kDataFile) != nullptr) return header;
   throw UserError(path.string() + ": its header has no end; must be an empty line");
 }
 
 const std::string& needed(const NrrdText& header,
-                          const std::string& field,
+                          const char* field,
                           const std::filesystem::path& path) {
-  const auto found = header.fields.find(field);
-  if (found == header.fields.end()) throw UserError(path.string() + ": has no field " + field);
-  return found->second;
+  if (const auto* found = field_of(header.fields, {field})) return found->second;
+  throw UserError(path.string() + ": has no field " + field);
 }
 
-std::string value_or(const NrrdText& header, const std::string& field, const std::string& other) {
-  const auto found = header.fields.find(field);
-  return found == header.fields.end() ? other : found->second;
+std::string value_or(const NrrdText& header,
+                     std::initializer_list<const char*> names,
+                     const std::string& other) {
+  const auto* found = field_of(header.fields, names);
+  return found == nullptr ? other : found->second;
 }
 
-void refuse_other(const NrrdText& header,
-                  const std::string& field,
-                  const std::vector<std::string>& allowed,
-                  const std::filesystem::path& path) {
-  const std::string value = value_or(header, field, allowed.front());
-  if (std::ranges::find(allowed, value) != allowed.end()) return;
-  throw UserError(path.string() + ": " + field + " = " + value + ": must be" + joined(allowed, ""));
-}
-
-/// "(1,0,0)" or "none".
+/// "(1,0,0)" or "none"; of `count` numbers, which are three and perhaps that of time.
 std::optional<glm::dvec3> vector_in(const std::filesystem::path& path,
                                     const std::string& field,
-                                    std::string text) {
-  if (text == "none") return {};
+                                    std::string text,
+                                    std::size_t count) {
+  if (lower_case(text) == "none") return {};
   std::ranges::replace_if(
       text, [](char c) { return c == '(' || c == ')' || c == ','; }, ' ');
-  const auto numbers = numbers_in(path, field, text, 3);
+  const auto numbers = numbers_in(path, field, text, count);
   return glm::dvec3(numbers[0], numbers[1], numbers[2]);
 }
 
-/// From the file's space to left-posterior-superior.
-glm::dvec3 to_lps(const std::string& space, const std::filesystem::path& path) {
-  if (space == "left-posterior-superior" || space == "LPS") return glm::dvec3(1);
-  if (space == "right-anterior-superior" || space == "RAS") return {-1, -1, 1};
-  if (space == "left-anterior-superior" || space == "LAS") return {1, -1, 1};
-  throw UserError(path.string() + ": space = " + space +
-                  ": must be left-posterior-superior, right-anterior-superior or "
-                  "left-anterior-superior");
+/// From the file's space to left-posterior-superior; none: another space.
+std::optional<glm::dvec3> to_lps(const std::string& space) {
+  if (space == "left-posterior-superior" || space == "lps") return glm::dvec3(1);
+  if (space == "right-anterior-superior" || space == "ras") return glm::dvec3(-1, -1, 1);
+  if (space == "left-anterior-superior" || space == "las") return glm::dvec3(1, -1, 1);
+  return {};
 }
 
 /// "space units: "mm" "mm" "mm"": other units are refused, none are mm.
 void check_units(const NrrdText& header, const std::filesystem::path& path) {
   for (const char* field : {"space units", "units"}) {
-    std::istringstream words(value_or(header, field, ""));
+    std::istringstream words(lower_case(value_or(header, {field}, "")));
     for (std::string word; words >> word;) {
       const bool is_time = word == "\"s\"" || word == "\"ms\"" || word == "\"\"" || word == "none";
       if (word == "\"mm\"" || is_time) continue;
@@ -160,34 +145,75 @@ void check_count(const VoxelFile& file,
                   std::to_string(file.sizes.size()) + " " + what + ", one an axis");
 }
 
-void read_directions(VoxelFile& file, const NrrdText& header) {
-  const auto found = header.fields.find("space directions");
-  if (found == header.fields.end()) {
-    const std::string spacings = value_or(header, "spacings", "");
-    if (spacings.empty()) return;
-    const auto words = vector_words(spacings);
-    check_count(file, "spacings", spacings, words.size(), "numbers");
-    for (std::size_t axis = 0; axis < words.size(); ++axis) {
-      const std::string& word = words[axis];
-      auto& direction = file.directions_mm.emplace_back();
-      if (word == "nan" || word == "NaN" || axis > 2) continue;
-      const double spacing_mm = numbers_in(file.path, "spacings", word, 1)[0];
-      direction = glm::dvec3(0);
-      (*direction)[static_cast<int>(axis)] = spacing_mm;
-    }
-    return;
+void read_spacings(VoxelFile& file, const std::string& spacings) {
+  const auto words = vector_words(spacings);
+  check_count(file, "spacings", spacings, words.size(), "numbers");
+  for (std::size_t axis = 0; axis < words.size(); ++axis) {
+    auto& direction = file.directions_mm.emplace_back();
+    if (lower_case(words[axis]) == "nan" || axis > 2) continue;
+    const double spacing_mm = numbers_in(file.path, "spacings", words[axis], 1)[0];
+    direction = glm::dvec3(0);
+    (*direction)[static_cast<int>(axis)] = spacing_mm;
   }
-  const glm::dvec3 lps = to_lps(needed(header, "space", file.path), file.path);
-  const auto words = vector_words(found->second);
-  check_count(file, "space directions", found->second, words.size(), "vectors");
+}
+
+/// Sticks need none: what is missing is said where it is needed.
+void read_directions(VoxelFile& file, const NrrdText& header) {
+  const std::string given = value_or(header, {"space directions"}, "");
+  const std::string spacings = value_or(header, {"spacings"}, "");
+  if (given.empty() && !spacings.empty()) return read_spacings(file, spacings);
+  file.missing = given.empty() ? "space directions are missing" : "space is missing";
+  std::string space = lower_case(value_or(header, {"space"}, ""));
+  if (given.empty() || space.empty()) return;
+  const std::size_t whole = space.size();
+  if (space.ends_with("-time")) space.resize(whole - 5);
+  if (space.size() == 4 && space.ends_with('t')) space.resize(3);
+  const std::size_t axes = space.size() < whole ? 4 : 3;
+  const auto lps = to_lps(space);
+  if (!lps) {
+    throw UserError(file.path.string() + ": space = " + needed(header, "space", file.path) +
+                    ": must be left-posterior-superior, right-anterior-superior or "
+                    "left-anterior-superior");
+  }
+  const auto words = vector_words(given);
+  check_count(file, "space directions", given, words.size(), "vectors");
   for (const auto& word : words) {
-    auto direction = vector_in(file.path, "space directions", word);
-    if (direction) *direction *= lps;
+    auto direction = vector_in(file.path, "space directions", word, axes);
+    if (direction) *direction *= *lps;
     file.directions_mm.push_back(direction);
   }
+  const std::string origin = value_or(header, {"space origin"}, "none");
   file.origin_mm =
-      lps * vector_in(file.path, "space origin", value_or(header, "space origin", "(0,0,0)"))
-                .value_or(glm::dvec3(0));
+      *lps * vector_in(file.path, "space origin", origin, axes).value_or(glm::dvec3(0));
+}
+
+StoredVoxels stored_voxels(const NrrdText& header, const std::filesystem::path& path) {
+  StoredVoxels stored{.field = "data file", .file = value_or(header, kDataFile, "")};
+  const std::string encoding = lower_case(value_or(header, {"encoding"}, "raw"));
+  using As = StoredVoxels::As;
+  static const std::map<std::string, As> known = {{"raw", As::raw},
+                                                  {"gzip", As::deflated},
+                                                  {"gz", As::deflated},
+                                                  {"ascii", As::text},
+                                                  {"text", As::text},
+                                                  {"txt", As::text}};
+  if (!known.contains(encoding)) {
+    throw UserError(path.string() + ": encoding = " + encoding + ": must be raw, gzip or ascii");
+  }
+  stored.as = known.at(encoding);
+  stored.skipped_lines =
+      whole_in(path, "line skip", value_or(header, {"line skip", "lineskip"}, "0"), 0);
+  stored.skipped_bytes =
+      whole_in(path, "byte skip", value_or(header, {"byte skip", "byteskip"}, "0"), -1);
+  return stored;
+}
+
+void read_byte_order(VoxelFile& file, const NrrdText& header) {
+  if (element_bytes(file.element) == 1) return;
+  const std::string order = lower_case(needed(header, "endian", file.path));
+  file.big_endian = order == "big";
+  if (file.big_endian || order == "little") return;
+  throw UserError(file.path.string() + ": endian = " + order + ": must be little or big");
 }
 
 }  // namespace
@@ -221,33 +247,25 @@ std::string nrrd_text(const NrrdHeader& header) {
 VoxelFile read_nrrd(const std::filesystem::path& path) {
   const NrrdText header = split_header(path);
   VoxelFile file{.path = path, .data_path = path, .offset = header.end};
-  for (const char* field : {"data file", "datafile", "line skip", "byte skip"}) {
-    if (!header.fields.contains(field)) continue;
-    throw UserError(path.string() + ": " + field + " = " + header.fields.at(field) +
-                    ": must not be given: voxels follow the header in one file");
-  }
-  refuse_other(header, "encoding", {"raw"}, path);
   const std::string& type = needed(header, "type", path);
-  if (!nrrd_types().contains(type)) {
+  const auto element = element_of(kNrrdTypes, type);
+  if (!element) {
     throw UserError(path.string() + ": type = " + type + ": must be an integer of 8, 16 or 32 " +
                     "bits, float or double");
   }
-  file.element = nrrd_types().at(type);
-  if (element_bytes(file.element) > 1) {
-    needed(header, "endian", path);
-    refuse_other(header, "endian", {"little", "big"}, path);
-    file.big_endian = header.fields.at("endian") == "big";
-  }
+  file.element = *element;
+  const StoredVoxels stored = stored_voxels(header, path);
+  if (stored.as != StoredVoxels::As::text) read_byte_order(file, header);
   file.sizes = sizes_in(path, "sizes", needed(header, "sizes", path));
-  const auto dimension = numbers_in(path, "dimension", needed(header, "dimension", path), 1)[0];
-  if (dimension != static_cast<double>(file.sizes.size())) {
-    throw UserError(path.string() + ": dimension = " + header.fields.at("dimension") + ": has " +
+  const std::string& dimension = needed(header, "dimension", path);
+  if (numbers_in(path, "dimension", dimension, 1)[0] != static_cast<double>(file.sizes.size())) {
+    throw UserError(path.string() + ": dimension = " + dimension + ": has " +
                     std::to_string(file.sizes.size()) + " sizes");
   }
   check_units(header, path);
   read_directions(file, header);
   file.fields = header.pairs;
-  check_size(file);
+  take_voxels(stored, file);
   return file;
 }
 

@@ -1,5 +1,4 @@
-// NRRD files (teem.sourceforge.net/nrrd/format.html), header and voxels in one file, not
-// compressed.
+// NRRD files (teem.sourceforge.net/nrrd/format.html): .nrrd, and .nhdr with the voxels beside it.
 #pragma once
 
 #include <string>
@@ -25,8 +24,8 @@ struct NrrdHeader {
 std::string nrrd_text(const NrrdHeader& header);
 
 /// Reads a header. `fields` are its key:=value pairs; positions are turned into
-/// left-posterior-superior. Throws UserError "PATH: …" for what is no NRRD, is compressed, lies in
-/// several files, or does not say what is needed.
+/// left-posterior-superior. Throws UserError "PATH: …" for what is no NRRD, lies in several
+/// files, or does not say what is needed.
 VoxelFile read_nrrd(const std::filesystem::path& path);
 
 }  // namespace wobblebench::bench

@@ -3,6 +3,7 @@
 #include <fcntl.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <cerrno>
@@ -87,6 +88,28 @@ std::string_view element_name(Element element) {
   return names.at(static_cast<std::size_t>(element));
 }
 
+std::optional<Element> element_of(const ElementNames& names, std::string_view name) {
+  const std::string wanted = "|" + lower_case(name) + "|";
+  for (const auto& [element, known] : names) {
+    if (lower_case(known).find(wanted) != std::string::npos) return element;
+  }
+  return {};
+}
+
+std::string lower_case(std::string_view text) {
+  std::string lower(text);
+  for (char& c : lower) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+  return lower;
+}
+
+const HeaderFields::value_type* field_of(const HeaderFields& fields,
+                                         std::initializer_list<const char*> names) {
+  for (const char* name : names) {
+    if (const auto found = fields.find(name); found != fields.end()) return &*found;
+  }
+  return nullptr;
+}
+
 std::uint64_t VoxelFile::voxels() const {
   std::uint64_t count = 1;
   for (const auto size : sizes) count *= size;
@@ -107,10 +130,11 @@ void check_size(const VoxelFile& file) {
 }
 
 std::vector<float> read_voxels(const VoxelFile& file, std::uint64_t first, std::uint64_t count) {
-  const std::uint64_t size = element_bytes(file.element);
+  const Element element = file.kept_as.value_or(file.element);
+  const std::uint64_t size = element_bytes(element);
   const std::string bytes = read_at(file, file.offset + first * size, count * size);
   const bool swap = file.big_endian != (std::endian::native == std::endian::big);
-  auto values = converted(bytes, file.element, swap);
+  auto values = converted(bytes, element, swap);
   for (std::size_t i = 0; i < values.size(); ++i) {
     if (std::isfinite(values[i])) continue;
     throw UserError(file.path.string() + ": voxel " + std::to_string(first + i) +
@@ -142,6 +166,19 @@ std::vector<double> numbers_in(const std::filesystem::path& path,
   if (good && numbers.size() == count) return numbers;
   throw UserError(path.string() + ": " + field + " = " + text + ": must be " +
                   std::to_string(count) + " numbers");
+}
+
+std::int64_t whole_in(const std::filesystem::path& path,
+                      const std::string& field,
+                      const std::string& text,
+                      std::int64_t least) {
+  constexpr double kMost = 1e15;
+  const double number = number_in(text).value_or(-HUGE_VAL);
+  if (number >= static_cast<double>(least) && number <= kMost && number == std::floor(number)) {
+    return static_cast<std::int64_t>(number);
+  }
+  throw UserError(path.string() + ": " + field + " = " + text + ": must be a whole number from " +
+                  std::to_string(least) + " on");
 }
 
 std::vector<std::uint64_t> sizes_in(const std::filesystem::path& path,

@@ -4,11 +4,13 @@
 #include <cstdint>
 #include <filesystem>
 #include <glm/vec3.hpp>
+#include <initializer_list>
 #include <map>
 #include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "base/file.h"
@@ -20,6 +22,24 @@ enum class Element { int8, uint8, int16, uint16, int32, uint32, float32, float64
 std::size_t element_bytes(Element element);
 std::string_view element_name(Element element);  ///< "uint8"
 
+/// Names that a format has for an element type, as "|short|int16|".
+using ElementNames = std::vector<std::pair<Element, std::string_view>>;
+/// In upper or lower case; none: no such name.
+std::optional<Element> element_of(const ElementNames& names, std::string_view name);
+
+std::string lower_case(std::string_view text);  ///< of ASCII
+
+/// Fields of a header, which are found in upper and in lower case.
+struct AnyCase {
+  bool operator()(const std::string& a, const std::string& b) const {
+    return lower_case(a) < lower_case(b);
+  }
+};
+using HeaderFields = std::map<std::string, std::string, AnyCase>;
+/// The first of these that is there; null: none.
+const HeaderFields::value_type* field_of(const HeaderFields& fields,
+                                         std::initializer_list<const char*> names);
+
 /// Most axes that a file may have: volumes of three axes, and time.
 inline constexpr std::size_t kMostAxes = 4;
 
@@ -30,14 +50,15 @@ struct VoxelFile {
   std::shared_ptr<const FileDescriptor> memory;  ///< where data_path is a file in memory
   std::uint64_t offset = 0;                      ///< in data_path, of the first voxel
   Element element = Element::uint8;
+  std::optional<Element> kept_as = {};  ///< bytes in data_path, where the file's are a text
   bool big_endian = false;
   std::vector<std::uint64_t> sizes;  ///< fastest axis first
   /// mm, [axis]; one step along it. Empty: the file does not say. An axis without direction (time)
   /// is none.
   std::vector<std::optional<glm::dvec3>> directions_mm;
+  std::string missing;      ///< why there are no directions, "ElementSpacing is missing"
   glm::dvec3 origin_mm{0};  ///< of the first voxel's centre
-  /// Other fields by their names, as written in the file.
-  std::map<std::string, std::string> fields;
+  HeaderFields fields;      ///< others by their names, as written in the file
 
   std::uint64_t voxels() const;
 };
@@ -58,6 +79,11 @@ std::vector<double> numbers_in(const std::filesystem::path& path,
                                const std::string& field,
                                const std::string& text,
                                std::size_t count);
+/// A whole number from `least` on. Throws UserError likewise.
+std::int64_t whole_in(const std::filesystem::path& path,
+                      const std::string& field,
+                      const std::string& text,
+                      std::int64_t least);
 /// The sizes of the axes. Throws UserError for none, more than kMostAxes, and absurd ones.
 std::vector<std::uint64_t> sizes_in(const std::filesystem::path& path,
                                     const std::string& field,

@@ -1,9 +1,6 @@
 #include "bench/exchange/files/zea.h"
 
-#include <sys/mman.h>
-
 #include <algorithm>
-#include <cerrno>
 #include <cmath>
 #include <cstring>
 #include <limits>
@@ -11,6 +8,7 @@
 #include <stdexcept>
 
 #include "base/user_error.h"
+#include "bench/exchange/files/stored_voxels.h"
 #include "phantoms/io/import_process.h"
 #include "phantoms/io/message.h"
 
@@ -39,14 +37,20 @@ Numbers numbers_of(phantoms::MessageReader& message) {
   numbers.sizes = list_of<std::uint64_t>(message);
   numbers.values = list_of<float>(message);
   std::uint64_t count = 1;
-  for (const std::uint64_t size : numbers.sizes) count *= size;
-  if (count != numbers.values.size()) throw std::invalid_argument("is damaged: its sizes differ");
+  bool fits = true;
+  for (const std::uint64_t size : numbers.sizes) {
+    fits = fits && size >= 1 && size <= numbers.values.size() / count;  // so that nothing wraps
+    if (fits) count *= size;
+  }
+  if (!fits || count != numbers.values.size()) {
+    throw std::invalid_argument("is damaged: its sizes differ");
+  }
   return numbers;
 }
 
 /// "KEY VALUE; …" of a description that `export` wrote.
-std::map<std::string, std::string> fields_in(const std::string& description) {
-  std::map<std::string, std::string> fields;
+HeaderFields fields_in(const std::string& description) {
+  HeaderFields fields;
   for (std::size_t from = 0; from < description.size();) {
     const std::size_t end = std::min(description.find(';', from), description.size());
     const std::string part = trimmed(std::string_view(description).substr(from, end - from));
@@ -62,15 +66,9 @@ std::map<std::string, std::string> fields_in(const std::string& description) {
 /// Voxels as a file in memory, so that they are read as those of other files are.
 template <class T>
 void keep(const std::vector<T>& values, VoxelFile& file) {
-  const auto memory = std::make_shared<FileDescriptor>(::memfd_create("wobblebench", MFD_CLOEXEC));
   const auto bytes = std::as_bytes(std::span(values));
-  if (!memory->is_open() ||
-      !write_all(memory->get(), {reinterpret_cast<const char*>(bytes.data()), bytes.size()})) {
-    throw std::runtime_error(file.path.string() +
-                             ": cannot be kept in memory: " + std::strerror(errno));
-  }
-  file.data_path = "/proc/self/fd/" + std::to_string(memory->get());
-  file.memory = memory;
+  open_memory(file);
+  keep_in_memory(file, {reinterpret_cast<const char*>(bytes.data()), bytes.size()});
 }
 
 /// Of the first volume: they may differ from one to the next.

@@ -118,7 +118,8 @@ void add_orientation(Described& described) {
       described.file.path.string() + ": " + found->first + " = " + found->second;
   const bool is_polar = geometry.layout == Layout::polar;
   std::vector<std::string> axes, reversed;
-  for (const char letter : found->second.substr(0, 2)) {
+  for (const char any : found->second.substr(0, 2)) {
+    const char letter = static_cast<char>(any & ~0x20);  // in upper case
     const bool is_depth = letter == 'F' || letter == 'N';
     if (!is_depth && letter != 'M' && letter != 'U') {
       throw UserError(said + ": must be F or N and M or U");
@@ -174,6 +175,12 @@ Described describe_file(const fs::path& path, const fs::path& geometry) {
     }
     described.file = raw_file(path, described);
     return described;
+  }
+  if (format == ForeignFormat::numpy || format == ForeignFormat::dicom) {
+    throw UserError(path.string() + ": is no scan that is read here, but a file of " +
+                    (format == ForeignFormat::dicom ? "DICOM, for viewers and pydicom"
+                                                    : "NumPy, for numpy.load") +
+                    ": must be a recording or " + kForeignNames);
   }
   if (format == ForeignFormat::kretz) {
     const KretzScan kretz = read_kretz(path);

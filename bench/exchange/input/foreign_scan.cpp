@@ -10,7 +10,6 @@
 
 #include "base/number_text.h"
 #include "base/user_error.h"
-#include "bench/exchange/files/foreign_names.h"
 #include "bench/exchange/files/meta_image.h"
 #include "bench/exchange/input/coordinates.h"
 #include "bench/exchange/input/described_file.h"
@@ -28,7 +27,7 @@ std::vector<bool> valid_frames(const VoxelFile& file, const ForeignArray& array)
     for (std::uint64_t frame = 0; frame < array.size(2); ++frame) {
       const std::string field = frame_field(array.third_in_file(frame, volume), "ImageStatus");
       const auto found = file.fields.find(field);
-      valid.push_back(found == file.fields.end() || found->second == "OK");
+      valid.push_back(found == file.fields.end() || lower_case(found->second) == "ok");
     }
   }
   return valid;
@@ -206,9 +205,8 @@ glm::dvec3 direction_mm(const ForeignArray& array, std::size_t axis) {
   const VoxelFile& file = array.file();
   const std::size_t in_file = array.axis_in_file(axis);
   if (file.directions_mm.empty()) {
-    const bool is_meta_image = foreign_format(file.path) == ForeignFormat::meta_image;
     throw UserError(file.path.string() + ": has no spacing" +
-                    (is_meta_image ? ": ElementSpacing is missing" : "") +
+                    (file.missing.empty() ? "" : ": " + file.missing) +
                     "; must be given as geometry.spacing_mm");
   }
   if (in_file < file.directions_mm.size()) {

@@ -44,8 +44,7 @@ Geometry read_geometry(const std::filesystem::path& path) {
   return geometry_of(*table, path.string());
 }
 
-Geometry geometry_of_fields(const std::filesystem::path& path,
-                            const std::map<std::string, std::string>& fields) {
+Geometry geometry_of_fields(const std::filesystem::path& path, const HeaderFields& fields) {
   constexpr std::string_view kPrefix = "wobblebench_";
   static const std::set<std::string> numbers = {"radius_mm",
                                                 "wobble_radius_mm",

@@ -103,7 +103,6 @@ Geometry read_geometry(const std::filesystem::path& path);
 
 /// The geometry that a file of `wobblebench export` tells by its fields "wobblebench_KEY"; keys
 /// that it does not have are not given. Throws UserError.
-Geometry geometry_of_fields(const std::filesystem::path& path,
-                            const std::map<std::string, std::string>& fields);
+Geometry geometry_of_fields(const std::filesystem::path& path, const HeaderFields& fields);
 
 }  // namespace wobblebench::bench

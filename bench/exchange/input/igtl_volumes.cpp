@@ -75,14 +75,15 @@ VoxelFile described(const std::string& server,
   file.sizes = {image.sizes[0], image.sizes[1], frames > 1 ? frames : image.sizes[2]};
   for (const glm::dvec3& step : image.steps) file.directions_mm.emplace_back(on_lps(image, step));
   file.origin_mm = on_lps(image, image.first_voxel());
-  file.fields = first.metadata;
+  file.fields.insert(first.metadata.begin(), first.metadata.end());
   return file;
 }
 
 Geometry geometry_of(const std::string& server,
                      const ReceivedImage& first,
                      const std::filesystem::path& geometry) {
-  return geometry.empty() ? geometry_of_fields(server, first.metadata) : read_geometry(geometry);
+  if (!geometry.empty()) return read_geometry(geometry);
+  return geometry_of_fields(server, {first.metadata.begin(), first.metadata.end()});
 }
 
 /// Planes come one by one; a grid of one layer is none.

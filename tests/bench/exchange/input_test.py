@@ -1,9 +1,12 @@
 #!/usr/bin/env python3
 """Scans in files of other programs, through --board file=: against NumPy's own computation, and against the
 published picture of a real probe."""
+import gzip
+import itertools
 import os
 import re
 import unittest
+import zlib
 
 import h5py
 import numpy as np
@@ -81,6 +84,91 @@ class Polar(Input):
         self.assertIn("0 to 255 are 60 dB", seen)
         run("record", "--board", board, "--out", self.path("rec"))
         run("inspect", self.path("rec/recording.wbst"))
+
+
+class Dialects(Input):
+    """One scan in each dialect of NRRD and MetaImage, written by plain Python, has the plain file's samples."""
+    VALUES = np.random.default_rng(51).integers(0, 128, (5, 7, 16), dtype=np.uint8)
+    NRRD_FIELDS = {"type": "uint8", "dimension": 3, "sizes": "16 7 5", "encoding": "raw"}
+    META_FIELDS = {"ObjectType": "Image", "NDims": 3, "BinaryData": "True", "DimSize": "16 7 5", "ElementType": "MET_UCHAR",
+                   "ElementDataFile": "LOCAL"}
+    SCALE = {**POLAR, "black": 0.0, "white": 255.0}
+
+    def nrrd(self, data, upper=False, **changes):
+        fields = {**self.NRRD_FIELDS, **{key.replace("_", " "): value for key, value in changes.items()}}
+        head = "".join(f"{key}: {value}\n" for key, value in fields.items())
+        return b"NRRD0004\n" + (head.upper() if upper else head).encode() + b"\n" + data
+
+    def meta(self, data, upper=False, **changes):
+        fields = {**self.META_FIELDS, **changes}
+        fields["ElementDataFile"] = fields.pop("ElementDataFile")
+        head = "".join(f"{key} = {value}\n" for key, value in fields.items())
+        return (head.upper() if upper else head).encode() + data
+
+    def dialects(self):
+        values, raw = self.VALUES, self.VALUES.tobytes()
+        text, lines = " ".join(map(str, values.ravel())).encode(), b"\r\n".join(b"%.1f" % v for v in values.ravel())
+        zipped, zlibbed = gzip.compress(raw), zlib.compress(raw, 9)
+        self.write("beside.raw", raw)
+        self.write("beside.zraw", zlibbed)
+        self.write("beside.gz", b"two\nlines\n" + zipped)
+        placed = {"space_directions": "(1,0,0,0) (0,1,0,0) (0,0,1,0) (0,0,0,1)", "space_origin": "(0,0,0,0)",
+                  "dimension": 4, "sizes": "16 7 5 1"}
+        yield from {"gzip": self.nrrd(zipped, encoding="gzip"), "GZ": self.nrrd(zipped, encoding="GZ"),
+                    "ascii": self.nrrd(text, encoding="ascii"), "text": self.nrrd(lines, encoding="text", type="double"),
+                    "upper case": self.nrrd(raw, upper=True), "last bytes": self.nrrd(b"junk" + raw, byte_skip=-1),
+                    "bytes": self.nrrd(b"junk" + raw, byteskip=4), "lines": self.nrrd(b"a\nb\n" + raw, line_skip=2),
+                    "no skip": self.nrrd(raw, line_skip=0, byte_skip=0), "SimpleITK": self.nrrd(raw, space_dimension=4, **placed),
+                    "time": self.nrrd(raw, space="Left-Posterior-Superior-Time", **placed),
+                    "beside": self.nrrd(b"", data_file="beside.raw"), "no end": self.nrrd(b"", datafile="./beside.raw")[:-1],
+                    "gzip beside": self.nrrd(b"", data_file="beside.gz", line_skip=2, encoding="gzip"),
+                    "Local": self.meta(raw, ElementDataFile="Local"), "meta upper case": self.meta(raw, upper=True),
+                    "zlib": self.meta(zlibbed, CompressedData="TRUE", CompressedDataSize=len(zlibbed)),
+                    "zlib, no size": self.meta(zlibbed, CompressedData="true"), "numbers": self.meta(text, BinaryData="False"),
+                    "mhd": self.meta(b"", ElementDataFile="beside.raw"), "mhd, header": self.meta(b"", ElementDataFile="beside.raw", HeaderSize=-1),
+                    "mhd, zraw": self.meta(b"", ElementDataFile="beside.zraw", CompressedData="True")}.items()
+        for names, kind in {"signed char|int8|int8_t": "i1", "uchar|unsigned char|uint8|uint8_t": "u1", "float": "f4", "double": "f8",
+                            "short|short int|signed short|signed short int|int16|int16_t": "i2",
+                            "ushort|unsigned short|unsigned short int|uint16|uint16_t": "u2",
+                            "int|signed int|int32|int32_t": "i4", "uint|unsigned int|uint32|uint32_t": "u4"}.items():
+            for order, name in itertools.product("<>", names.split("|")):
+                yield order + name, self.nrrd(values.astype(order + kind).tobytes(), type=name, endian="little" if order == "<" else "Big")
+        yield "meta big-endian", self.meta(values.astype(">u2").tobytes(), ElementType="MET_USHORT", BinaryDataByteOrderMSB="True")
+
+    def test_have_the_plain_file_s_samples(self):
+        for number, (name, data) in enumerate(self.dialects()):
+            # The name's ending says nothing: first bytes do.
+            scan = self.exported(self.board(self.write("dialect" + (".nhdr", ".mhd", ".vol", ".bin")[number % 4], data), **self.SCALE))
+            np.testing.assert_allclose(scan["samples"][0], self.VALUES / 255, atol=1e-6, err_msg=name)
+
+    def test_are_refused_by_a_line(self):
+        raw = self.VALUES.tobytes()
+        zipped, zlibbed = gzip.compress(raw), zlib.compress(raw)
+        self.write("short.raw", raw[1:])
+        self.write("folder.npz", b"PK\x03\x04")
+        for says, data in {
+                "encoding = hex: must be raw, gzip or ascii": self.nrrd(raw, encoding="hex"), "type = int64": self.nrrd(raw, type="int64"),
+                "data file = none.raw: must be one file that is there": self.nrrd(b"", data_file="none.raw"),
+                "data file = ../a.raw: must be a file in the header's folder": self.nrrd(b"", data_file="../a.raw"),
+                "ElementDataFile = /dev/zero: must be a file in the": self.meta(b"", ElementDataFile="/dev/zero"),
+                "short.raw: has 559 bytes": self.meta(b"", ElementDataFile="short.raw"),
+                "voxels are damaged": self.nrrd(zipped[:15] + b"\xff\xff" + zipped[17:], encoding="gzip"),
+                "voxels do not end where": self.nrrd(zipped + b"x", encoding="gzip"),
+                "voxels are 560 bytes; the header says 1120": self.nrrd(zipped, encoding="gzip", sizes="16 7 10"),
+                "voxels are more than they should be": self.meta(zlibbed, CompressedData="True", DimSize="16 7 4"),
+                "voxels are 0 bytes": self.nrrd(zipped[:9], encoding="gzip"),
+                "voxels cannot be that many": self.nrrd(zipped, encoding="gzip", sizes="1000000 1000 99"),
+                "the header says 99000000000 numbers": self.nrrd(b"1 2", encoding="ascii", sizes="1000000 1000 99"),
+                "voxel 1 is no finite number": self.meta(b"1 1.#IND 3", BinaryData="False", DimSize="1 1 3"),
+                "has 559 numbers": self.nrrd(b"7 " * 559, encoding="ascii"), "must be 0 where voxels are not raw": self.nrrd(zipped, encoding="gzip", byte_skip=3),
+                "has fewer lines than": self.nrrd(b"", line_skip=3), "byte skip = -2: must be a whole number from -1 on": self.nrrd(raw, byte_skip=-2),
+                "the header says 7": self.meta(zlibbed, CompressedData="True", CompressedDataSize=7),
+                "CompressedData = maybe: must be True or False": self.meta(raw, CompressedData="maybe")}.items():
+            self.refused(self.board(self.write("bad.bin", data), **self.SCALE), says)
+        grid = self.nrrd(raw, space_directions="(1,0,0) (0,1,0) (0,0,1)")
+        self.refused(self.board(self.write("g.nrrd", grid), layout="cartesian", dynamic_range_db=60.0), "space is missing; must be given as")
+        self.refused("file=" + self.path("folder.npz"), "but a file of NumPy")
+        self.refused("file=" + self.write("d", b"\0" * 128 + b"DICM"), "but a file of DICOM")
 
 
 class Plus(Input):
