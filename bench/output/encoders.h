@@ -62,8 +62,8 @@ struct Encoders {
   /// Throws std::runtime_error where the bytes are no picture.
   std::string (*compress)(const std::string& png, int most_side);
   /// A file in a format of OpenImageIO with at most `most_side` pixels a side. Throws
-  /// std::invalid_argument with one line where it is none, is damaged or larger, or stores a part
-  /// of a picture.
+  /// std::invalid_argument with one line where it is none, is damaged or larger. NaN where the
+  /// file stores no part of the picture.
   DecodedPicture (*decode)(const std::filesystem::path& path, int most_side);
   /// Null where OpenCV cannot write the format here.
   std::unique_ptr<VideoEncoder> (*open_video)(const std::filesystem::path& path,

@@ -7,6 +7,8 @@
 #include <stdexcept>
 #include <string>
 
+#include "base/text.h"
+
 namespace wobblebench::phantoms {
 
 /// A handle of the library, closed with its scope. Throws std::invalid_argument for one that could
@@ -34,6 +36,30 @@ inline Hdf5Handle open_hdf5(const std::filesystem::path& path) {
       H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose, "it cannot be opened as one"};
 }
 
+/// Names the compression that this machine's library cannot undo.
+inline void check_filters(hid_t creation, const std::string& name) {
+  for (int i = 0; i < H5Pget_nfilters(creation); ++i) {
+    unsigned flags = 0, config = 0;
+    std::size_t values = 0;
+    char filter[64] = "";
+    const H5Z_filter_t id = H5Pget_filter2(creation,
+                                           static_cast<unsigned>(i),
+                                           &flags,
+                                           &values,
+                                           nullptr,
+                                           sizeof filter,
+                                           filter,
+                                           &config);
+    if (id >= 0 && H5Zfilter_avail(id) > 0) continue;
+    filter[sizeof filter - 1] = '\0';
+    const bool is_named = filter[0] != '\0' && is_printable_text(filter);
+    throw std::invalid_argument("dataset \"" + name + "\": is stored by filter " +
+                                std::to_string(id) +
+                                (is_named ? " (" + std::string(filter) + ")" : "") +
+                                ", which is not read; gzip is (h5repack -f GZIP=4)");
+  }
+}
+
 /// Throws std::invalid_argument where a dataset holds no numbers, or its values lie in other files:
 /// a list must not name the files of who reads it.
 inline void check_numbers(hid_t dataset, const std::string& name) {
@@ -43,6 +69,7 @@ inline void check_numbers(hid_t dataset, const std::string& name) {
     throw std::invalid_argument("dataset \"" + name + "\": must hold numbers");
   }
   const Hdf5Handle creation(H5Dget_create_plist(dataset), H5Pclose, "its storage");
+  check_filters(creation.get(), name);
   if (H5Pget_external_count(creation.get()) == 0 && H5Pget_layout(creation.get()) != H5D_VIRTUAL) {
     return;
   }

@@ -5,6 +5,7 @@
 #include <array>
 #include <bit>
 #include <cctype>
+#include <cmath>
 #include <cstdint>
 #include <cstdlib>
 #include <fstream>
@@ -158,6 +159,7 @@ class Body {
   double next_word() {
     std::string word;
     if (!(in_ >> word)) throw damaged("it ends too early");
+    if (word.find(".#") != std::string::npos) return NAN;  // 1.#IND, -1.#INF: of old Windows
     char* end = nullptr;
     const double value = std::strtod(word.c_str(), &end);
     if (end != word.c_str() + word.size()) throw damaged("a word that is no number");
@@ -192,26 +194,37 @@ void check_list(Body& body, const Property& list, bool corners, double vertices)
 // Parses a PLY file as its header describes it: Assimp 5.2 reads past the end of a truncated one.
 // Throws std::invalid_argument with one line for a truncated header or body, an element of more
 // than 100 properties, a word that is no number, a face of fewer than three corners, or a vertex
-// index out of range.
-void check_ply(const std::filesystem::path& path) {
+// index out of range. Returns the vertices of a file without faces, with those that are not finite:
+// Assimp stumbles over some.
+std::vector<glm::dvec3> check_ply(const std::filesystem::path& path) {
   std::ifstream in(path, std::ios::binary);
   const Header header = read_header(in);
   Body body(in, header.format);
   double vertices = 0;
+  bool has_faces = false;
+  std::vector<glm::dvec3> points;
   for (const Element& element : header.elements) {
     if (element.name == "vertex") vertices = double(element.count);
+    has_faces = has_faces || (element.name == "face" && element.count > 0);
     if (element.properties.empty()) throw damaged("an element without properties");
     for (std::uint64_t i = 0; i < element.count; ++i) {
+      if (element.name == "vertex") points.emplace_back(0);
       for (const Property& property : element.properties) {
         if (property.is_list) {
           const bool corners = element.name == "face" && property.holds_corners();
           check_list(body, property, corners, vertices);
         } else {
-          body.next(property.value);
+          const double value = body.next(property.value);
+          const std::size_t axis = std::string_view("xyz").find(property.name);
+          if (element.name == "vertex" && property.name.size() == 1 && axis < 3) {
+            points.back()[static_cast<int>(axis)] = value;
+          }
         }
       }
     }
   }
+  if (has_faces) points.clear();
+  return points;
 }
 
 // Assimp's message, as one line of UTF-8.
@@ -258,8 +271,9 @@ TriangleMesh read_by_assimp(const std::filesystem::path& path) {
 
 void write_mesh_message(const std::filesystem::path& path, MessageWriter& out) {
   const std::string extension = lower_case_extension(path);
-  if (extension == ".ply") check_ply(path);
-  const TriangleMesh mesh = extension == ".stl" ? read_stl(path) : read_by_assimp(path);
+  TriangleMesh mesh;
+  if (extension == ".ply") mesh.vertices = check_ply(path);
+  if (mesh.vertices.empty()) mesh = extension == ".stl" ? read_stl(path) : read_by_assimp(path);
   out.list(std::span<const glm::dvec3>(mesh.vertices));
   out.list(std::span<const TriangleMesh::Triangle>(mesh.triangles));
 }

@@ -72,6 +72,13 @@ void write_numbers(hid_t file, const std::string& name, MessageWriter& out) {
   const Sizes sizes = sizes_of(dataset.get(), name);
   std::uint64_t count = 1;
   for (const std::uint64_t size : sizes) count *= size;
+  constexpr std::uint64_t kMostRatio = 10'000;  // more than filters make of real pictures
+  const std::uint64_t stored = H5Dget_storage_size(dataset.get());
+  if (count / kMostRatio > stored) {
+    throw std::invalid_argument("dataset \"" + name + "\": claims " + std::to_string(count) +
+                                " numbers, of which it stores " + std::to_string(stored) +
+                                " bytes");
+  }
   std::vector<float> values(count);
   if (H5Dread(dataset.get(), H5T_NATIVE_FLOAT, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()) < 0) {
     throw std::invalid_argument("dataset \"" + name + "\": cannot be read");

@@ -27,7 +27,8 @@ struct TriangleMesh {
 /// ImportUnavailable where there is no reader.
 [[nodiscard]] TriangleMesh read_mesh(const std::filesystem::path& path);
 
-/// The same of a file whose vertices may belong to no triangle: a cloud of points.
+/// The same of a file whose vertices may belong to no triangle: a cloud of points, of which some
+/// may not be finite.
 [[nodiscard]] TriangleMesh read_mesh_or_points(const std::filesystem::path& path);
 
 /// The mesh of a message, of which nothing is trusted. Throws std::invalid_argument.

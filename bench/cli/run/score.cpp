@@ -39,7 +39,7 @@ struct ScoreArguments {
   SceneArguments scene;
   CacheArguments cache;
   OutputArguments output;
-  std::string unit = "auto", kind = "ray", frame = "probe", far, point_mm;
+  std::string unit = "auto", kind = "ray", frame = "probe", far, point_mm, step_mm;
   int volume = 0;
   std::vector<std::string> limits;
 };
@@ -141,6 +141,7 @@ SurfaceFileOptions surface_options(const ScoreArguments& arguments) {
   options.frame = given("--frame", arguments.frame);
   options.far = positive_number("--far", arguments.far);
   options.point_m = positive_number("--point-mm", arguments.point_mm).value_or(0) * kMillimetre;
+  options.step_m = positive_number("--step-mm", arguments.step_mm).value_or(0) * kMillimetre;
   return options;
 }
 
@@ -151,6 +152,7 @@ std::vector<ConditionalOption> conditional_options(SurfaceFileKind kind) {
           {"--channel", is_map, map},
           {"--mask", is_map, map},
           {"--far", is_map, map},
+          {"--step-mm", is_map, map},
           {"--frame", !is_map, "a mesh or a point cloud"},
           {"--point-mm", kind == SurfaceFileKind::points, points}};
 }
@@ -273,6 +275,11 @@ void add_surface_options(CLI::App& command, ScoreArguments& arguments) {
            arguments.surface.depths.mask,
            "Of a depth map: the channel or array that is 0 where there is no surface (NaN, and "
            "depths of 0 or less, are none anyway)");
+  add_text(
+      command,
+      "--step-mm",
+      arguments.step_mm,
+      "Of a depth map: mm that a step of its numbers is, in the place of --unit; a PNG needs it");
   add_text(command,
            "--far",
            arguments.far,
@@ -298,10 +305,11 @@ Command add_score_command(CLI::App& app) {
   CLI::App& command = add_subcommand(
       app, "score", "Another program's depth map, mesh or point cloud against a scene's truth");
   arguments->command = &command;
-  add_required_path(command,
-                    "FILE",
-                    arguments->surface.file,
-                    "Depth map (.exr, .tif, .npy, .npz), mesh or point cloud (.ply, .stl, .obj)");
+  add_required_path(
+      command,
+      "FILE",
+      arguments->surface.file,
+      "Depth map (.exr, .tif, .png, .pfm, .npy, .npz), mesh or point cloud (.ply, .stl, .obj)");
   add_required_path(command,
                     "--scene",
                     arguments->scene.file,

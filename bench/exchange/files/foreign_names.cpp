@@ -1,9 +1,7 @@
 #include "bench/exchange/files/foreign_names.h"
 
-#include <map>
 #include <string>
 #include <string_view>
-#include <utility>
 
 #include "base/file.h"
 #include "bench/exchange/files/voxel_file.h"
@@ -12,55 +10,44 @@ namespace wobblebench::bench {
 
 namespace {
 
-using std::string_view_literals::operator""sv;
-
-/// In lower case: MetaImage is a text.
-constexpr std::pair<std::string_view, ForeignFormat> kFirstBytes[] = {
-    {"wbst"sv, ForeignFormat::none},
-    {"nrrd"sv, ForeignFormat::nrrd},
-    {"objecttype"sv, ForeignFormat::meta_image},
-    {"ndims"sv, ForeignFormat::meta_image},
-    {"kretzfile"sv, ForeignFormat::kretz},
-    {"\x89hdf\r\n\x1a\n"sv, ForeignFormat::zea},
-    {"\x93numpy"sv, ForeignFormat::numpy},
-    {"pk\x03\x04"sv, ForeignFormat::numpy}};
-
-constexpr std::size_t kDicomAt = 128;
-
-std::string first_bytes(const std::filesystem::path& path) {
-  std::error_code error;
-  if (!std::filesystem::is_regular_file(path, error)) return "";
-  return read_file(path, kDicomAt + 4);
-}
-
-ForeignFormat format_of_name(const std::string& extension) {
-  static const std::map<std::string, ForeignFormat> formats = {{".mha", ForeignFormat::meta_image},
-                                                               {".mhd", ForeignFormat::meta_image},
-                                                               {".nrrd", ForeignFormat::nrrd},
-                                                               {".nhdr", ForeignFormat::nrrd},
-                                                               {".raw", ForeignFormat::raw},
-                                                               {".img", ForeignFormat::raw},
-                                                               {".vol", ForeignFormat::kretz},
-                                                               {".hdf5", ForeignFormat::zea},
-                                                               {".h5", ForeignFormat::zea},
-                                                               {".npy", ForeignFormat::numpy},
-                                                               {".npz", ForeignFormat::numpy},
-                                                               {".dcm", ForeignFormat::dicom}};
-  const auto found = formats.find(extension);
-  return found == formats.end() ? ForeignFormat::none : found->second;
-}
+struct KnownFormat {
+  ForeignFormat format;
+  std::string_view first;    ///< bytes, in lower case: MetaImage is a text
+  std::string_view endings;  ///< of names
+};
 
 }  // namespace
 
 ForeignFormat foreign_format(const std::filesystem::path& path) {
-  const ForeignFormat named = format_of_name(lower_case(path.extension().string()));
-  if (named == ForeignFormat::raw) return named;  // which may begin with anything
-  const std::string bytes = lower_case(first_bytes(path));
-  for (const auto& [first, format] : kFirstBytes) {
-    if (bytes.starts_with(first)) return format;
+  using enum ForeignFormat;
+  static constexpr KnownFormat kFormats[] = {{none, "wbst", ""},
+                                             {meta_image, "objecttype", "|.mha|.mhd|"},
+                                             {meta_image, "ndims", ""},
+                                             {nrrd, "nrrd", "|.nrrd|.nhdr|"},
+                                             {kretz, "kretzfile", "|.vol|"},
+                                             {zea, "\x89hdf\r\n\x1a\n", "|.hdf5|.h5|"},
+                                             {exr, "v/1\x01", "|.exr|"},
+                                             {tiff, {"ii*\0", 4}, "|.tif|.tiff|"},
+                                             {tiff, {"mm\0*", 4}, ""},
+                                             {png, "\x89png", "|.png|"},
+                                             {pfm, "pf\n", "|.pfm|"},
+                                             {npy, "\x93numpy", "|.npy|"},
+                                             {npz, "pk\x03\x04", "|.npz|"},
+                                             {dicom, {}, "|.dcm|"},
+                                             {raw, {}, "|.raw|.img|"}};
+  constexpr std::size_t kDicomAt = 128;
+  const std::string ending = "|" + lower_case(path.extension().string()) + "|";
+  std::error_code error;
+  ForeignFormat named = none;
+  for (const KnownFormat& known : kFormats) {
+    if (known.endings.find(ending) != std::string_view::npos) named = known.format;
   }
-  if (bytes.ends_with("dicm") && bytes.size() == kDicomAt + 4) return ForeignFormat::dicom;
-  return named;
+  if (named == raw || !std::filesystem::is_regular_file(path, error)) return named;
+  const std::string bytes = lower_case(read_file(path, kDicomAt + 4));
+  for (const KnownFormat& known : kFormats) {
+    if (!known.first.empty() && bytes.starts_with(known.first)) return known.format;
+  }
+  return bytes.size() > kDicomAt && bytes.ends_with("dicm") ? dicom : named;
 }
 
 }  // namespace wobblebench::bench

@@ -1,47 +1,39 @@
-// Deflated bytes, by zlib, a piece at a time.
+// Deflated bytes, by zlib.
 #pragma once
 
 #include <zlib.h>
 
+#include <cstdint>
+#include <limits>
 #include <new>
-#include <span>
+#include <stdexcept>
+#include <string>
 #include <string_view>
 
 namespace wobblebench::bench {
 
-class Inflater {
- public:
-  static constexpr int kBare = -MAX_WBITS;            ///< as in ZIP files
-  static constexpr int kZlibOrGzip = MAX_WBITS + 32;  ///< as the bytes say
-  static constexpr std::uint64_t kMostRatio = 1032;   ///< of what comes out to what goes in
+inline constexpr int kBareDeflate = -MAX_WBITS;     ///< as in ZIP files
+inline constexpr int kZlibOrGzip = MAX_WBITS + 32;  ///< as the bytes say
 
-  explicit Inflater(int window) {
-    if (inflateInit2(&stream_, window) != Z_OK) throw std::bad_alloc();
+/// The first `size` bytes of what was deflated; `whole`: it has no more. Throws
+/// std::invalid_argument, before memory is taken for more than zlib can make of the bytes.
+inline std::string inflated(std::string_view stored, std::uint64_t size, int window, bool whole) {
+  constexpr std::uint64_t kMostRatio = 1032, kMost = std::numeric_limits<uInt>::max();
+  if (size / kMostRatio > stored.size() || size > kMost || stored.size() > kMost) {
+    throw std::invalid_argument("cannot be " + std::to_string(size) + " bytes");
   }
-  ~Inflater() { inflateEnd(&stream_); }
-  Inflater(const Inflater&) = delete;
-  Inflater& operator=(const Inflater&) = delete;
-
-  /// The next bytes, of less than 4 GB; those before must have been used up by read().
-  void feed(std::string_view bytes) {
-    stream_.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(bytes.data()));
-    stream_.avail_in = static_cast<uInt>(bytes.size());
-  }
-  /// How many bytes of `out` were filled: fewer than all at the end, and where more must be fed.
-  std::size_t read(std::span<char> out) {
-    stream_.next_out = reinterpret_cast<Bytef*>(out.data());
-    stream_.avail_out = static_cast<uInt>(out.size());
-    if (state_ == Z_OK) state_ = inflate(&stream_, Z_NO_FLUSH);
-    if (state_ == Z_BUF_ERROR) state_ = Z_OK;  // it waits for more
-    return out.size() - stream_.avail_out;
-  }
-  bool is_damaged() const { return state_ != Z_OK && state_ != Z_STREAM_END; }
-  /// All was read, and nothing that was fed is left.
-  bool is_done() const { return state_ == Z_STREAM_END && stream_.avail_in == 0; }
-
- private:
-  z_stream stream_{};
-  int state_ = Z_OK;
-};
+  std::string bytes(size, '\0');
+  z_stream stream{};
+  if (inflateInit2(&stream, window) != Z_OK) throw std::bad_alloc();
+  stream.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(stored.data()));
+  stream.avail_in = static_cast<uInt>(stored.size());
+  stream.next_out = reinterpret_cast<Bytef*>(bytes.data());
+  stream.avail_out = static_cast<uInt>(size);
+  const int state = inflate(&stream, whole ? Z_FINISH : Z_SYNC_FLUSH);
+  inflateEnd(&stream);
+  const bool ended = state == Z_STREAM_END && stream.avail_in == 0;
+  if (stream.avail_out == 0 && (ended || !whole)) return bytes;
+  throw std::invalid_argument("cannot be decompressed to " + std::to_string(size) + " bytes");
+}
 
 }  // namespace wobblebench::bench

@@ -147,10 +147,10 @@ std::string meta_image_text(const MetaHeader& header) {
 VoxelFile read_meta_image(const std::filesystem::path& path) {
   VoxelFile file{.path = path, .data_path = path};
   file.fields = split_header(path, file.offset);
-  if (file.fields.contains("ElementNumberOfChannels") &&
-      file.fields["ElementNumberOfChannels"] != "1") {
-    throw UserError(path.string() + ": ElementNumberOfChannels = " +
-                    file.fields["ElementNumberOfChannels"] + ": must be 1");
+  const auto* channels = field_of(file.fields, {"ElementNumberOfChannels"});
+  if (channels != nullptr && channels->second != "1") {
+    throw UserError(path.string() + ": ElementNumberOfChannels = " + channels->second +
+                    ": must be 1");
   }
   file.element = read_element(file);
   file.big_endian =

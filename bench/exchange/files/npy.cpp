@@ -3,11 +3,12 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <cstdlib>
 #include <cstring>
-#include <regex>
 #include <sstream>
 #include <stdexcept>
 
+#include "base/text.h"
 #include "bench/exchange/files/numpy_parts.h"
 
 namespace wobblebench::bench {
@@ -26,16 +27,6 @@ double half_value(std::uint16_t bits) {
   if (exponent == 0x1f) return fraction == 0 ? sign * INFINITY : NAN;
   if (exponent == 0) return sign * std::ldexp(fraction, -24);
   return sign * std::ldexp(1024 + fraction, exponent - 25);
-}
-
-template <class T>
-double value_of(const char* bytes, bool swap) {
-  char raw[sizeof(T)];
-  std::copy_n(bytes, sizeof(T), raw);
-  if (swap) std::reverse(raw, raw + sizeof(T));
-  T value;
-  std::memcpy(&value, raw, sizeof(T));
-  return static_cast<double>(value);
 }
 
 double half_of(const char* bytes, bool swap) {
@@ -65,42 +56,42 @@ const ElementType& type_of(const std::string& descr) {
   for (const ElementType& type : kTypes) {
     if (descr.size() == 3 && descr.substr(1) == type.name) return type;
   }
-  throw std::invalid_argument("holds values of NumPy's type " + descr +
+  const bool is_short = descr.size() < 40 && is_printable_text(descr);
+  throw std::invalid_argument("holds values of NumPy's type " + (is_short ? descr : "?") +
                               "; must be real numbers, as float32");
 }
 
-struct Header {
-  std::string descr;
-  bool fortran = false;
-  std::vector<std::uint64_t> shape;
-};
+/// What follows a key of the header's dictionary, in the form in which NumPy writes it.
+std::string_view value_of_key(std::string_view text, const std::string& key) {
+  const std::size_t at = text.find("'" + key + "':");
+  if (at == std::string_view::npos) throw unreadable("its header has no " + key);
+  text.remove_prefix(at + key.size() + 3);
+  return text.substr(std::min(text.find_first_not_of(' '), text.size()));
+}
 
-std::vector<std::uint64_t> shape_of(const std::string& text) {
-  static const std::regex number("[0-9]{1,18}");
-  std::vector<std::uint64_t> shape;
-  for (std::sregex_iterator at(text.begin(), text.end(), number), end; at != end; ++at) {
-    shape.push_back(std::stoull(at->str()));
+/// What stands between two marks at the text's beginning.
+std::string_view between(std::string_view text, char first, char last) {
+  const std::size_t end = text.find(last, 1);
+  if (!text.starts_with(first) || end == std::string_view::npos) {
+    throw unreadable("its header is damaged");
+  }
+  return text.substr(1, end - 1);
+}
+
+NumpyShape shape_of(std::string_view text) {
+  if (text.find_first_not_of("0123456789, ") != std::string_view::npos) {
+    throw unreadable("its header is damaged");
+  }
+  NumpyShape shape;
+  std::istringstream words{std::string(text)};
+  for (std::string word; std::getline(words >> std::ws, word, ',');) {
+    shape.push_back(std::strtoull(word.c_str(), nullptr, 10));  // the greatest of those too great
   }
   return shape;
 }
 
-/// The dictionary of the header, in the form in which NumPy writes it.
-Header parse_header(const std::string& text) {
-  static const std::regex descr("'descr':\\s*'([^']*)'"), order("'fortran_order':\\s*(True|False)"),
-      shape("'shape':\\s*\\(([0-9, ]*)\\)");
-  std::smatch type, fortran, sizes;
-  if (text.find("'descr': [") != std::string::npos) {
-    throw std::invalid_argument("holds records of several fields; must be real numbers");
-  }
-  if (!std::regex_search(text, type, descr) || !std::regex_search(text, fortran, order) ||
-      !std::regex_search(text, sizes, shape)) {
-    throw unreadable("its header is damaged");
-  }
-  return {type[1], fortran[1] == "True", shape_of(sizes[1])};
-}
-
 /// Product of the sizes, at most kMostBytes.
-std::uint64_t count_of(const std::vector<std::uint64_t>& shape) {
+std::uint64_t count_of(const NumpyShape& shape) {
   std::uint64_t count = 1;
   for (const std::uint64_t size : shape) {
     if (size != 0 && count > kMostBytes / size) throw unreadable("it claims an absurd size");
@@ -110,7 +101,7 @@ std::uint64_t count_of(const std::vector<std::uint64_t>& shape) {
 }
 
 /// Index in C order of the element with this index in Fortran order.
-std::uint64_t c_index(std::uint64_t index, const std::vector<std::uint64_t>& shape) {
+std::uint64_t c_index(std::uint64_t index, const NumpyShape& shape) {
   std::uint64_t result = 0, stride = count_of(shape);
   for (const std::uint64_t size : shape) {
     stride /= size;
@@ -122,24 +113,41 @@ std::uint64_t c_index(std::uint64_t index, const std::vector<std::uint64_t>& sha
 
 }  // namespace
 
-NumpyArray read_npy(std::string_view bytes) {
+NumpyHead read_npy_head(std::string_view bytes) {
   constexpr std::string_view kMagic("\x93NUMPY", 6);
   if (!bytes.starts_with(kMagic)) throw unreadable("it does not begin as one");
-  const auto version = number_at<std::uint8_t>(bytes, 6);
-  const std::uint64_t start = version == 1 ? 10 : 12;
+  const bool is_first = number_at<std::uint8_t>(bytes, 6) == 1;  // version
+  const std::uint64_t start = is_first ? 10 : 12;
   const std::uint64_t length =
-      version == 1 ? number_at<std::uint16_t>(bytes, 8) : number_at<std::uint32_t>(bytes, 8);
-  const std::string text(part_of(bytes, start, std::min<std::uint64_t>(length, 65536)));
-  const Header header = parse_header(text);
-  const ElementType& type = type_of(header.descr);
-  const std::uint64_t count = count_of(header.shape);
-  const std::string_view data = part_of(bytes, start + length, count * type.bytes);
-  if (start + length + data.size() != bytes.size()) throw unreadable("it has bytes behind its end");
-  const bool swap = header.descr.front() == '>';
-  NumpyArray array{header.descr, header.shape, std::vector<double>(count)};
-  for (std::uint64_t i = 0; i < count; ++i) {
-    const std::uint64_t to = header.fortran ? c_index(i, header.shape) : i;
-    array.values[to] = type.read(data.data() + i * type.bytes, swap);
+      is_first ? number_at<std::uint16_t>(bytes, 8) : number_at<std::uint32_t>(bytes, 8);
+  if (start + length > kMostNumpyHead) {
+    throw unreadable("its header has " + std::to_string(length) + " bytes, of at most 10000");
+  }
+  const std::string_view text = part_of(bytes, start, length);
+  const std::string_view descr = value_of_key(text, "descr");
+  if (descr.starts_with('[')) {
+    throw std::invalid_argument("holds records of several fields; must be real numbers");
+  }
+  NumpyHead head{.type = std::string(between(descr, '\'', '\'')),
+                 .fortran = value_of_key(text, "fortran_order").starts_with("True"),
+                 .shape = shape_of(between(value_of_key(text, "shape"), '(', ')')),
+                 .data_at = start + length};
+  head.count = count_of(head.shape);
+  head.size = head.data_at + head.count * type_of(head.type).bytes;
+  return head;
+}
+
+NumpyArray read_npy(std::string_view bytes, const CheckShape& check) {
+  const NumpyHead head = read_npy_head(bytes);
+  if (head.size > bytes.size()) throw unreadable("it ends too early");
+  if (head.size < bytes.size()) throw unreadable("it has bytes behind its end");
+  if (check) check(head.shape);
+  const ElementType& type = type_of(head.type);
+  const bool swap = head.type.front() == '>';
+  NumpyArray array{head.type, head.shape, std::vector<double>(head.count)};
+  for (std::uint64_t i = 0; i < head.count; ++i) {
+    const std::uint64_t to = head.fortran ? c_index(i, head.shape) : i;
+    array.values[to] = type.read(bytes.data() + head.data_at + i * type.bytes, swap);
   }
   return array;
 }
@@ -148,9 +156,9 @@ std::string npy_header(std::span<const std::uint64_t> shape, std::string_view ty
   constexpr std::size_t kPreamble = 10, kAlignment = 64;
   std::ostringstream dictionary;
   dictionary << "{'descr': '" << (std::endian::native == std::endian::little ? '<' : '>') << type
-             << "', 'fortran_order': False, 'shape': (" << shape.front() << ',';
-  for (std::size_t i = 1; i < shape.size(); ++i) {
-    dictionary << ' ' << shape[i] << (i + 1 < shape.size() ? "," : "");
+             << "', 'fortran_order': False, 'shape': (";
+  for (std::size_t i = 0; i < shape.size(); ++i) {
+    dictionary << (i == 0 ? "" : " ") << shape[i] << (i == 0 || i + 1 < shape.size() ? "," : "");
   }
   dictionary << "), }";
   std::string text = dictionary.str();

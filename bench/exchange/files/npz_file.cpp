@@ -6,6 +6,7 @@
 #include <bit>
 #include <stdexcept>
 
+#include "bench/exchange/files/npy.h"
 #include "bench/exchange/files/numpy_parts.h"
 
 namespace wobblebench::bench {
@@ -33,20 +34,6 @@ class Fields {
  private:
   std::string bytes_;
 };
-
-std::string npy_text(const std::string& descr, const std::vector<std::uint64_t>& shape) {
-  std::string sizes;
-  for (const auto size : shape) sizes += std::to_string(size) + ",";
-  std::string text =
-      "{'descr': '" + descr + "', 'fortran_order': False, 'shape': (" + sizes + "), }";
-  constexpr std::size_t kPreamble = 10, kAlignment = 64;
-  const std::size_t unpadded = kPreamble + text.size() + 1;
-  text.append((kAlignment - unpadded % kAlignment) % kAlignment, ' ');
-  text += '\n';
-  std::string header("\x93NUMPY\x01\x00", 8);
-  header += Fields(static_cast<std::uint16_t>(text.size())).bytes();
-  return header + text;
-}
 
 std::uint64_t item_bytes(const std::string& descr) {
   const std::uint64_t count = std::stoull(descr.substr(2));
@@ -129,7 +116,7 @@ std::vector<char32_t> code_points(const std::string& utf8) {
 void NpzFile::begin(const std::string& name,
                     const std::string& descr,
                     const std::vector<std::uint64_t>& shape) {
-  const std::string header = npy_text(descr, shape);
+  const std::string header = npy_header(shape, descr.substr(1));
   std::uint64_t items = 1;
   for (const auto size : shape) items *= size;
   expected_ = header.size() + items * item_bytes(descr);

@@ -3,8 +3,10 @@
 #include <zlib.h>
 
 #include <algorithm>
-#include <new>
+#include <map>
+#include <utility>
 
+#include "bench/exchange/files/inflate.h"
 #include "bench/exchange/files/numpy_parts.h"
 
 namespace wobblebench::bench {
@@ -17,15 +19,8 @@ constexpr std::uint32_t kEntry = 0x02014b50, kLocal = 0x04034b50;
 constexpr std::uint32_t kEnd64 = 0x06064b50, kLocator64 = 0x07064b50;
 constexpr std::size_t kEndBytes = 22, kEntryBytes = 46, kLocalBytes = 30;
 
-struct ZipEntry {
-  std::string name;
-  std::uint16_t method = 0;
-  std::uint32_t crc = 0;
-  std::uint64_t stored = 0, size = 0, offset = 0;
-};
-
 /// Sizes and offset of an entry from its ZIP64 field, where the 32-bit ones say that it has them.
-void take_zip64(std::string_view extra, ZipEntry& entry) {
+void take_zip64(std::string_view extra, NpzEntry& entry) {
   for (std::uint64_t at = 0; at + 4 <= extra.size();) {
     const auto id = number_at<std::uint16_t>(extra, at);
     const auto length = number_at<std::uint16_t>(extra, at + 2);
@@ -54,76 +49,71 @@ std::pair<std::uint64_t, std::uint64_t> find_directory(std::string_view bytes) {
   return {number_at<std::uint64_t>(bytes, at + 48), number_at<std::uint64_t>(bytes, at + 32)};
 }
 
-std::vector<ZipEntry> entries_of(std::string_view bytes) {
+/// Finds what the entries hold.
+void find_contents(std::string_view bytes, std::vector<NpzEntry>& entries) {
+  std::map<std::uint64_t, std::uint64_t> ends;  // by where entries begin
+  for (NpzEntry& entry : entries) {
+    if (number_at<std::uint32_t>(bytes, entry.offset) != kLocal) {
+      throw unreadable("its archive is damaged");
+    }
+    const auto name = number_at<std::uint16_t>(bytes, entry.offset + 26);
+    const auto extra = number_at<std::uint16_t>(bytes, entry.offset + 28);
+    const std::uint64_t at = entry.offset + kLocalBytes + name + extra;
+    entry.content = part_of(bytes, at, entry.stored);
+    if (!ends.emplace(entry.offset, at + entry.stored).second) throw unreadable("arrays overlap");
+  }
+  std::uint64_t last = 0;
+  for (const auto& [begin, end] : ends) {
+    if (begin < std::exchange(last, end)) throw unreadable("arrays overlap");
+  }
+}
+
+}  // namespace
+
+std::vector<NpzEntry> npz_entries(std::string_view bytes) {
   auto [at, count] = find_directory(bytes);
-  std::vector<ZipEntry> entries;
+  std::vector<NpzEntry> entries;
   for (std::uint64_t i = 0; i < count; ++i) {
     if (number_at<std::uint32_t>(bytes, at) != kEntry) throw unreadable("its directory is damaged");
     const auto name = number_at<std::uint16_t>(bytes, at + 28);
     const auto extra = number_at<std::uint16_t>(bytes, at + 30);
     const auto comment = number_at<std::uint16_t>(bytes, at + 32);
-    ZipEntry entry{.name = std::string(part_of(bytes, at + kEntryBytes, name)),
+    NpzEntry entry{.name = std::string(part_of(bytes, at + kEntryBytes, name)),
                    .method = number_at<std::uint16_t>(bytes, at + 10),
                    .crc = number_at<std::uint32_t>(bytes, at + 16),
                    .stored = number_at<std::uint32_t>(bytes, at + 20),
                    .size = number_at<std::uint32_t>(bytes, at + 24),
                    .offset = number_at<std::uint32_t>(bytes, at + 42)};
     take_zip64(part_of(bytes, at + kEntryBytes + name, extra), entry);
-    entries.push_back(std::move(entry));
     at += kEntryBytes + name + extra + comment;
+    constexpr std::string_view kExtension = ".npy";
+    if (!entry.name.ends_with(kExtension)) continue;
+    entry.name.resize(entry.name.size() - kExtension.size());
+    entries.push_back(std::move(entry));
   }
+  if (entries.empty()) throw unreadable("it holds no array");
+  find_contents(bytes, entries);
   return entries;
 }
 
-std::string inflated(std::string_view stored, std::uint64_t size) {
-  constexpr std::uint64_t kMostRatio = 1032;  // of deflate
-  if (size > kMostBytes || size / kMostRatio > stored.size()) {
-    throw unreadable("it claims an absurd size");
-  }
-  std::string bytes(size, '\0');
-  z_stream stream{};
-  if (inflateInit2(&stream, -MAX_WBITS) != Z_OK) throw std::bad_alloc();
-  stream.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(stored.data()));
-  stream.avail_in = static_cast<uInt>(stored.size());
-  stream.next_out = reinterpret_cast<Bytef*>(bytes.data());
-  stream.avail_out = static_cast<uInt>(bytes.size());
-  const int result = inflate(&stream, Z_FINISH);
-  const bool whole = result == Z_STREAM_END && stream.avail_out == 0;
-  inflateEnd(&stream);
-  if (!whole) throw unreadable("an array of it cannot be decompressed");
-  return bytes;
-}
-
-std::string content_of(std::string_view bytes, const ZipEntry& entry) {
-  if (number_at<std::uint32_t>(bytes, entry.offset) != kLocal) {
-    throw unreadable("its archive is damaged");
-  }
-  const auto name = number_at<std::uint16_t>(bytes, entry.offset + 26);
-  const auto extra = number_at<std::uint16_t>(bytes, entry.offset + 28);
-  const auto stored = part_of(bytes, entry.offset + kLocalBytes + name + extra, entry.stored);
+NumpyArray read_npz(const NpzEntry& entry, const CheckShape& check) {
   if (entry.method != Z_DEFLATED && entry.method != 0) {
     throw unreadable("an array of it is compressed by another method than deflate");
   }
-  std::string content = entry.method == 0 ? std::string(stored) : inflated(stored, entry.size);
+  std::string unpacked;
+  if (entry.method == Z_DEFLATED) {
+    const auto first = std::min<std::uint64_t>(entry.size, kMostNumpyHead);
+    const NumpyHead head = read_npy_head(inflated(entry.content, first, kBareDeflate, false));
+    if (head.size != entry.size) throw unreadable(entry.name + " has another size than it says");
+    if (check) check(head.shape);
+    unpacked = inflated(entry.content, entry.size, kBareDeflate, true);
+  }
+  const std::string_view content = entry.method == 0 ? entry.content : unpacked;
   const auto* data = reinterpret_cast<const Bytef*>(content.data());
-  if (crc32(0, data, static_cast<uInt>(content.size())) != entry.crc) {
+  if (crc32_z(0, data, content.size()) != entry.crc) {
     throw unreadable("the checksum of " + entry.name + " is wrong");
   }
-  return content;
-}
-
-}  // namespace
-
-std::vector<std::pair<std::string, NumpyArray>> read_npz(std::string_view bytes) {
-  std::vector<std::pair<std::string, NumpyArray>> arrays;
-  for (const ZipEntry& entry : entries_of(bytes)) {
-    constexpr std::string_view kExtension = ".npy";
-    if (!entry.name.ends_with(kExtension)) continue;
-    const std::string name = entry.name.substr(0, entry.name.size() - kExtension.size());
-    arrays.emplace_back(name, read_npy(content_of(bytes, entry)));
-  }
-  if (arrays.empty()) throw unreadable("it holds no array");
-  return arrays;
+  return read_npy(content, check);
 }
 
 }  // namespace wobblebench::bench

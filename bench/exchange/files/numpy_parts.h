@@ -1,6 +1,7 @@
-// Parts of a file of NumPy's that may end too early.
+// Numbers among bytes, and parts of a file of NumPy's that may end too early.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <cstring>
 #include <stdexcept>
@@ -25,6 +26,17 @@ T number_at(std::string_view bytes, std::uint64_t offset) {
   T value;
   std::memcpy(&value, bytes.data() + offset, sizeof(T));
   return value;
+}
+
+/// A number where it stands; `swap`: its bytes are in the other order.
+template <class T>
+double value_of(const char* bytes, bool swap) {
+  char raw[sizeof(T)];
+  std::copy_n(bytes, sizeof(T), raw);
+  if (swap) std::reverse(raw, raw + sizeof(T));
+  T value;
+  std::memcpy(&value, raw, sizeof(T));
+  return static_cast<double>(value);
 }
 
 inline std::string_view part_of(std::string_view bytes, std::uint64_t offset, std::uint64_t count) {

@@ -20,8 +20,10 @@ struct StoredVoxels {
 /// for what a header claims.
 void take_voxels(const StoredVoxels& stored, VoxelFile& file);
 
-/// An empty file in memory, which `data_path` then names; and bytes at its end.
-void open_memory(VoxelFile& file);
-void keep_in_memory(const VoxelFile& file, std::string_view bytes);
+/// Throws UserError where voxels or samples would take more than half of the memory.
+void check_half_of_memory(const std::filesystem::path& path, double bytes);
+
+/// The voxels as a file in memory, which `data_path` then names.
+void keep_in_memory(VoxelFile& file, std::span<const std::byte> bytes);
 
 }  // namespace wobblebench::bench

@@ -16,6 +16,7 @@
 
 #include "base/file.h"
 #include "base/user_error.h"
+#include "bench/exchange/files/numpy_parts.h"
 
 namespace wobblebench::bench {
 
@@ -40,52 +41,33 @@ std::string read_at(const VoxelFile& file, std::uint64_t offset, std::uint64_t c
   throw std::runtime_error(file.data_path.string() + ": cannot be read: " + std::strerror(errno));
 }
 
-template <class T>
-std::vector<float> converted(const std::string& bytes, bool swap) {
-  std::vector<float> values(bytes.size() / sizeof(T));
-  for (std::size_t i = 0; i < values.size(); ++i) {
-    std::array<char, sizeof(T)> raw;
-    for (std::size_t k = 0; k < sizeof(T); ++k) {
-      raw[swap ? sizeof(T) - 1 - k : k] = bytes[i * sizeof(T) + k];
-    }
-    values[i] = static_cast<float>(std::bit_cast<T>(raw));
-  }
-  return values;
-}
+struct ElementKind {
+  std::string_view name;
+  std::size_t bytes;
+  double (*value)(const char* bytes, bool swap);
+};
 
-std::vector<float> converted(const std::string& bytes, Element element, bool swap) {
-  switch (element) {
-    case Element::int8:
-      return converted<std::int8_t>(bytes, false);
-    case Element::uint8:
-      return converted<std::uint8_t>(bytes, false);
-    case Element::int16:
-      return converted<std::int16_t>(bytes, swap);
-    case Element::uint16:
-      return converted<std::uint16_t>(bytes, swap);
-    case Element::int32:
-      return converted<std::int32_t>(bytes, swap);
-    case Element::uint32:
-      return converted<std::uint32_t>(bytes, swap);
-    case Element::float32:
-      return converted<float>(bytes, swap);
-    case Element::float64:
-      return converted<double>(bytes, swap);
-  }
-  throw std::logic_error("an element without a name");
+const ElementKind& kind_of(Element element) {
+  using numpy::value_of;
+  static constexpr std::array<ElementKind, 8> kinds = {{{"int8", 1, value_of<std::int8_t>},
+                                                        {"uint8", 1, value_of<std::uint8_t>},
+                                                        {"int16", 2, value_of<std::int16_t>},
+                                                        {"uint16", 2, value_of<std::uint16_t>},
+                                                        {"int32", 4, value_of<std::int32_t>},
+                                                        {"uint32", 4, value_of<std::uint32_t>},
+                                                        {"float32", 4, value_of<float>},
+                                                        {"float64", 8, value_of<double>}}};
+  return kinds.at(static_cast<std::size_t>(element));
 }
 
 }  // namespace
 
 std::size_t element_bytes(Element element) {
-  constexpr std::array<std::size_t, 8> bytes = {1, 1, 2, 2, 4, 4, 4, 8};
-  return bytes.at(static_cast<std::size_t>(element));
+  return kind_of(element).bytes;
 }
 
 std::string_view element_name(Element element) {
-  constexpr std::array<std::string_view, 8> names = {
-      "int8", "uint8", "int16", "uint16", "int32", "uint32", "float32", "float64"};
-  return names.at(static_cast<std::size_t>(element));
+  return kind_of(element).name;
 }
 
 std::optional<Element> element_of(const ElementNames& names, std::string_view name) {
@@ -129,12 +111,19 @@ void check_size(const VoxelFile& file) {
                   std::to_string(file.offset) + " on need " + std::to_string(needed));
 }
 
-std::vector<float> read_voxels(const VoxelFile& file, std::uint64_t first, std::uint64_t count) {
-  const Element element = file.kept_as.value_or(file.element);
-  const std::uint64_t size = element_bytes(element);
-  const std::string bytes = read_at(file, file.offset + first * size, count * size);
+std::vector<float> read_numbers(const VoxelFile& file, std::uint64_t first, std::uint64_t count) {
+  const ElementKind& kind = kind_of(file.kept_as.value_or(file.element));
+  const std::string bytes = read_at(file, file.offset + first * kind.bytes, count * kind.bytes);
   const bool swap = file.big_endian != (std::endian::native == std::endian::big);
-  auto values = converted(bytes, element, swap);
+  std::vector<float> values(count);
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    values[i] = static_cast<float>(kind.value(bytes.data() + i * kind.bytes, swap));
+  }
+  return values;
+}
+
+std::vector<float> read_voxels(const VoxelFile& file, std::uint64_t first, std::uint64_t count) {
+  auto values = read_numbers(file, first, count);
   for (std::size_t i = 0; i < values.size(); ++i) {
     if (std::isfinite(values[i])) continue;
     throw UserError(file.path.string() + ": voxel " + std::to_string(first + i) +
@@ -172,11 +161,9 @@ std::int64_t whole_in(const std::filesystem::path& path,
                       const std::string& field,
                       const std::string& text,
                       std::int64_t least) {
-  constexpr double kMost = 1e15;
   const double number = number_in(text).value_or(-HUGE_VAL);
-  if (number >= static_cast<double>(least) && number <= kMost && number == std::floor(number)) {
-    return static_cast<std::int64_t>(number);
-  }
+  const bool is_whole = number <= 1e15 && number == std::floor(number);
+  if (is_whole && number >= static_cast<double>(least)) return static_cast<std::int64_t>(number);
   throw UserError(path.string() + ": " + field + " = " + text + ": must be a whole number from " +
                   std::to_string(least) + " on");
 }

@@ -8,6 +8,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -71,6 +72,8 @@ void check_size(const VoxelFile& file);
 /// `count` voxels from the first on, as they are in the file. Throws UserError "PATH: …" for NaN
 /// and infinities, std::runtime_error where it cannot be read.
 std::vector<float> read_voxels(const VoxelFile& file, std::uint64_t first, std::uint64_t count);
+/// The same with NaN and infinities.
+std::vector<float> read_numbers(const VoxelFile& file, std::uint64_t first, std::uint64_t count);
 
 /// The number that a text is, decimal, all of it; nullopt: it is none, or not finite.
 std::optional<double> number_in(std::string_view text);

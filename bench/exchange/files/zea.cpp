@@ -63,14 +63,6 @@ HeaderFields fields_in(const std::string& description) {
   return fields;
 }
 
-/// Voxels as a file in memory, so that they are read as those of other files are.
-template <class T>
-void keep(const std::vector<T>& values, VoxelFile& file) {
-  const auto bytes = std::as_bytes(std::span(values));
-  open_memory(file);
-  keep_in_memory(file, {reinterpret_cast<const char*>(bytes.data()), bytes.size()});
-}
-
 /// Of the first volume: they may differ from one to the next.
 std::vector<glm::dvec3> coordinates_of(const Numbers& numbers, const Numbers& picture) {
   const auto& sizes = numbers.sizes;
@@ -111,11 +103,12 @@ ZeaPicture picture_of(const std::filesystem::path& path, phantoms::MessageReader
   picture.file.sizes.assign(numbers.sizes.rbegin(), numbers.sizes.rend());
   if (numbers.are_bytes) {
     picture.file.element = Element::uint8;
-    keep(std::vector<std::uint8_t>(numbers.values.begin(), numbers.values.end()), picture.file);
+    const std::vector<std::uint8_t> bytes(numbers.values.begin(), numbers.values.end());
+    keep_in_memory(picture.file, std::as_bytes(std::span(bytes)));
   } else {
     picture.file.element = Element::float32;
     if (!picture.is_envelope) make_finite(numbers.values);
-    keep(numbers.values, picture.file);
+    keep_in_memory(picture.file, std::as_bytes(std::span(numbers.values)));
   }
   if (message.get<std::uint32_t>() != 0) {
     picture.coordinates_m = coordinates_of(numbers_of(message), numbers);

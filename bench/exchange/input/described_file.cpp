@@ -176,11 +176,12 @@ Described describe_file(const fs::path& path, const fs::path& geometry) {
     described.file = raw_file(path, described);
     return described;
   }
-  if (format == ForeignFormat::numpy || format == ForeignFormat::dicom) {
-    throw UserError(path.string() + ": is no scan that is read here, but a file of " +
-                    (format == ForeignFormat::dicom ? "DICOM, for viewers and pydicom"
-                                                    : "NumPy, for numpy.load") +
-                    ": must be a recording or " + kForeignNames);
+  if (format >= ForeignFormat::exr) {
+    throw UserError(path.string() + ": holds no scan that is read (" +
+                    (format == ForeignFormat::dicom
+                         ? "DICOM: pydicom and viewers read it"
+                         : "a picture, or arrays: numpy.load reads those") +
+                    "); must be a recording or " + kForeignNames);
   }
   if (format == ForeignFormat::kretz) {
     const KretzScan kretz = read_kretz(path);

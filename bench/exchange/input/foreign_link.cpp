@@ -5,10 +5,9 @@
 #include <stdexcept>
 #include <string_view>
 
-#include "base/number_text.h"
 #include "base/user_error.h"
+#include "bench/exchange/files/stored_voxels.h"
 #include "bench/exchange/input/foreign_scan.h"
-#include "bench/scene/scene_cost.h"
 #include "hw/wire/packet.h"
 
 namespace wobblebench::bench {
@@ -17,12 +16,9 @@ namespace {
 
 void check_memory(const ForeignScan& scan) {
   const hw::AcquisitionOptions& a = scan.plan.acquisition();
-  const double bytes =
-      double{sizeof(float)} * a.volumes * scan.plan.sticks_per_volume() * a.samples_per_stick;
-  const double most = 0.5 * available_memory_bytes();
-  if (bytes <= most) return;
-  throw UserError(scan.path.string() + ": its samples need " + significant(bytes / 1e9, 3) +
-                  " GB of memory; must be at most " + significant(most / 1e9, 3) + " GB");
+  check_half_of_memory(
+      scan.path,
+      double{sizeof(float)} * a.volumes * scan.plan.sticks_per_volume() * a.samples_per_stick);
 }
 
 void write_volume(const ForeignScan& scan, std::uint32_t volume, int file) {

@@ -139,12 +139,12 @@ std::string shape_text(const Shape& shape) {
 
 /// The program's answer, from millimetres; NaN, infinity, 0 and less are no surface.
 Image<float> read_depths(const fs::path& file, int size) {
-  const NumpyArray array = read_npy(read_file(file));
   const auto side = static_cast<std::uint64_t>(size);
-  if (array.shape != Shape{side, side}) {
-    throw std::invalid_argument("holds " + shape_text(array.shape) + "; must be " +
+  const NumpyArray array = read_npy(read_file(file), [&](const Shape& shape) {
+    if (shape == Shape{side, side}) return;
+    throw std::invalid_argument("holds " + shape_text(shape) + "; must be " +
                                 shape_text({side, side}));
-  }
+  });
   Image<float> depth_m(size, size, kNoSurface);
   for (std::size_t i = 0; i < array.values.size(); ++i) {
     const double value = array.values[i];

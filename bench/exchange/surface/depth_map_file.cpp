@@ -2,13 +2,17 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <sstream>
 #include <stdexcept>
 #include <utility>
 
 #include "base/file.h"
 #include "base/near_name.h"
+#include "bench/exchange/files/foreign_names.h"
 #include "bench/exchange/files/npy.h"
 #include "bench/exchange/files/npz_reader.h"
+#include "bench/exchange/files/voxel_file.h"
 #include "bench/output/encoders.h"
 
 namespace wobblebench::bench {
@@ -16,12 +20,6 @@ namespace wobblebench::bench {
 namespace {
 
 constexpr int kMostSide = 16384;
-
-std::string extension_of(const std::filesystem::path& path) {
-  std::string extension = path.extension().string();
-  for (char& c : extension) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
-  return extension;
-}
 
 std::string joined(const std::vector<std::string>& names) {
   std::string text;
@@ -67,10 +65,12 @@ std::vector<double> channel_values(const DecodedPicture& picture, std::size_t ch
   return values;
 }
 
-DepthMapFile read_picture(const std::filesystem::path& path, const DepthMapChoice& choice) {
+DepthMapFile read_picture(const std::filesystem::path& path,
+                          const std::string& format,
+                          const DepthMapChoice& choice) {
   const DecodedPicture picture = encoders().decode(path, kMostSide);
   const std::size_t channel = index_of(picture.channels, choice.channel);
-  DepthMapFile map{.format = extension_of(path) == ".exr" ? "EXR" : "TIFF",
+  DepthMapFile map{.format = format,
                    .channel = picture.channels[channel],
                    .width = picture.width,
                    .height = picture.height,
@@ -87,23 +87,29 @@ DepthMapFile read_picture(const std::filesystem::path& path, const DepthMapChoic
 }
 
 /// Sizes without those of length 1 at the end or the beginning: (1, 512, 512), (512, 512, 1).
-std::pair<int, int> rows_and_columns(const NumpyArray& array) {
-  std::vector<std::uint64_t> shape = array.shape;
+std::pair<int, int> rows_and_columns(const NumpyShape& given) {
+  NumpyShape shape = given;
   while (shape.size() > 2 && shape.front() == 1) shape.erase(shape.begin());
   while (shape.size() > 2 && shape.back() == 1) shape.pop_back();
   const bool is_picture = shape.size() == 2 && shape[0] <= kMostSide && shape[1] <= kMostSide &&
                           shape[0] > 0 && shape[1] > 0;
   if (is_picture) return {static_cast<int>(shape[0]), static_cast<int>(shape[1])};
   std::string text;
-  for (const std::uint64_t size : array.shape) {
-    text += (text.empty() ? "" : " x ") + std::to_string(size);
-  }
+  for (const std::uint64_t size : given) text += (text.empty() ? "" : " x ") + std::to_string(size);
   throw std::invalid_argument("has an array of shape " + (text.empty() ? "()" : text) +
                               "; must be rows x columns");
 }
 
+/// Before memory is taken for it.
+CheckShape check_of(const DepthMapChoice& choice) {
+  return [size = choice.size](const NumpyShape& shape) {
+    const auto [rows, columns] = rows_and_columns(shape);
+    check_map_size(columns, rows, size);
+  };
+}
+
 DepthMapFile map_of(NumpyArray array, const std::string& format, const std::string& name) {
-  const auto [rows, columns] = rows_and_columns(array);
+  const auto [rows, columns] = rows_and_columns(array.shape);
   return {.format = format,
           .channel = name,
           .width = columns,
@@ -114,43 +120,78 @@ DepthMapFile map_of(NumpyArray array, const std::string& format, const std::stri
 }
 
 DepthMapFile read_arrays(const std::string& bytes, const DepthMapChoice& choice) {
-  auto arrays = read_npz(bytes);
+  const std::vector<NpzEntry> entries = npz_entries(bytes);
   std::vector<std::string> names;
-  for (const auto& [name, array] : arrays) names.push_back(name);
+  for (const NpzEntry& entry : entries) names.push_back(entry.name);
   const std::size_t index = index_of(names, choice.channel);
-  std::vector<bool> mask;
-  if (!choice.mask.empty()) {
-    const NumpyArray& found = arrays[index_of(names, choice.mask)].second;
-    if (rows_and_columns(found) != rows_and_columns(arrays[index].second)) {
-      throw std::invalid_argument("its mask \"" + choice.mask + "\" has another size than \"" +
-                                  names[index] + "\"");
-    }
-    mask = mask_of(found.values);
+  DepthMapFile map = map_of(read_npz(entries[index], check_of(choice)), "npz", names[index]);
+  if (choice.mask.empty()) return map;
+  const NumpyArray mask = read_npz(entries[index_of(names, choice.mask)], check_of(choice));
+  if (rows_and_columns(mask.shape) != std::pair(map.height, map.width)) {
+    throw std::invalid_argument("its mask \"" + choice.mask + "\" has another size than \"" +
+                                names[index] + "\"");
   }
-  DepthMapFile map = map_of(std::move(arrays[index].second), "npz", names[index]);
-  map.mask = std::move(mask);
+  map.mask = mask_of(mask.values);
+  return map;
+}
+
+/// One channel of floats, rows from the bottom; big-endian where the scale is above 0.
+DepthMapFile read_pfm(const std::filesystem::path& path) {
+  std::istringstream header(read_file(path, 100));
+  std::string magic, width, height, scale;
+  header >> magic >> width >> height >> scale;
+  header.get();
+  if (magic != "Pf" || !header) {
+    throw std::invalid_argument(
+        "is no PFM of one channel: must begin with Pf, columns, rows, scale");
+  }
+  VoxelFile file{.path = path,
+                 .data_path = path,
+                 .offset = static_cast<std::uint64_t>(header.tellg()),
+                 .element = Element::float32,
+                 .big_endian = !scale.starts_with('-'),
+                 .sizes = sizes_in(path, "columns and rows", width + " " + height)};
+  check_size(file);
+  const std::vector<float> values = read_numbers(file, 0, file.voxels());
+  DepthMapFile map{.format = "PFM",
+                   .width = static_cast<int>(file.sizes[0]),
+                   .height = static_cast<int>(file.sizes[1])};
+  for (auto row = values.end(); row != values.begin(); row -= map.width) {
+    map.values.insert(map.values.end(), row - map.width, row);
+  }
   return map;
 }
 
 }  // namespace
 
-bool is_depth_map(const std::filesystem::path& path) {
-  const std::string extension = extension_of(path);
-  return extension == ".exr" || extension == ".tif" || extension == ".tiff" ||
-         extension == ".npy" || extension == ".npz";
+void check_map_size(int width, int height, int size) {
+  if (size == 0 || (width == size && height == size)) return;
+  throw std::invalid_argument("has " + std::to_string(width) + " x " + std::to_string(height) +
+                              " pixels; must be " + std::to_string(size) + " x " +
+                              std::to_string(size) +
+                              ", the size of the scene's view (render.ray_casting.image_size)");
+}
+
+std::string depth_map_format(const std::filesystem::path& path) {
+  using enum ForeignFormat;
+  static const std::map<ForeignFormat, std::string> maps = {
+      {exr, "EXR"}, {tiff, "TIFF"}, {png, "PNG"}, {pfm, "PFM"}, {npy, "npy"}, {npz, "npz"}};
+  const auto found = maps.find(foreign_format(path));
+  return found == maps.end() ? "" : found->second;
 }
 
 DepthMapFile read_depth_map(const std::filesystem::path& path, const DepthMapChoice& choice) {
-  const std::string extension = extension_of(path);
-  if (extension == ".npz") return read_arrays(read_file(path), choice);
-  if (extension != ".npy") {
+  const std::string format = depth_map_format(path);
+  if (format == "npz") return read_arrays(read_file(path), choice);
+  if (format != "npy" && format != "PFM") {
     static_cast<void>(read_file(path, 1));  // says why a file cannot be read
-    return read_picture(path, choice);
+    return read_picture(path, format, choice);
   }
   if (!choice.channel.empty() || !choice.mask.empty()) {
     throw std::invalid_argument("holds one array; --channel and --mask name those of an .npz");
   }
-  return map_of(read_npy(read_file(path)), "npy", "");
+  if (format == "PFM") return read_pfm(path);
+  return map_of(read_npy(read_file(path), check_of(choice)), "npy", "");
 }
 
 }  // namespace wobblebench::bench

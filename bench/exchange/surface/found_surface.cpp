@@ -53,12 +53,16 @@ std::string unit_name(const SurfaceFileOptions& options,
 
 // ---- depth maps
 
-void check_size(const DepthMapFile& map, int size) {
-  if (map.width == size && map.height == size) return;
-  throw std::invalid_argument("has " + std::to_string(map.width) + " x " +
-                              std::to_string(map.height) + " pixels; must be " +
-                              std::to_string(size) + " x " + std::to_string(size) +
-                              ", the size of the scene's view (render.ray_casting.image_size)");
+/// Metres of a step of a map's numbers.
+double map_unit_m(const SurfaceFileOptions& options, const DepthMapFile& map, FoundSurface& found) {
+  if (options.step_m == 0) {
+    if (map.format != "PNG") return unit_of(unit_name(options, map.unit, found));
+    throw std::invalid_argument(
+        "has no unit, as no PNG has: --step-mm must say how many mm a step of its numbers is");
+  }
+  if (!options.unit.empty()) throw UserError("--unit: must not be given with --step-mm");
+  found.taken.emplace_back("unit", mm(options.step_m) + " mm a step (--step-mm)");
+  return options.step_m;
 }
 
 /// A file that carries its camera must be of this view.
@@ -299,6 +303,9 @@ Image<float> seen_points(const std::vector<glm::dvec3>& points_m,
 FoundSurface surface_of_mesh(const SurfaceFileOptions& options, const ResolvedScene& scene) {
   FoundSurface found;
   phantoms::TriangleMesh mesh = phantoms::read_mesh_or_points(options.file);
+  // An organised cloud has a point for each pixel: NaN where nothing was seen.
+  const auto left_out = std::erase_if(
+      mesh.vertices, [](const glm::dvec3& at) { return !std::isfinite(at.x + at.y + at.z); });
   const bool is_mesh = !mesh.triangles.empty();
   found.kind = is_mesh ? SurfaceFileKind::mesh : SurfaceFileKind::points;
   found.format = phantoms::lower_case_extension(options.file).substr(1);
@@ -307,6 +314,7 @@ FoundSurface surface_of_mesh(const SurfaceFileOptions& options, const ResolvedSc
   found.taken.emplace_back("frame", frame_text(options, scene));
   found.counts.emplace_back("vertices", static_cast<long>(mesh.vertices.size()));
   found.counts.emplace_back("triangles", static_cast<long>(mesh.triangles.size()));
+  found.counts.emplace_back("points_without_place", static_cast<long>(left_out));
   const std::vector<glm::dvec3> in_file = mesh.vertices;
   for (glm::dvec3& vertex : mesh.vertices) vertex = to_probe(unit_m * vertex);
   found.depth_m = is_mesh ? depth_of_mesh(mesh, scene.view())
@@ -347,14 +355,14 @@ const char* to_string(SurfaceFileKind kind) {
 FoundSurface surface_of(const DepthMapFile& map,
                         const SurfaceFileOptions& options,
                         const render::View& view) {
-  check_size(map, view.camera.image_size);
+  check_map_size(map.width, map.height, view.camera.image_size);
   check_view(map, view.camera);
   FoundSurface found{.kind = SurfaceFileKind::depth_map,
                      .format = format_of(map),
                      .depth_m = {},
                      .taken = {},
                      .counts = {}};
-  const double unit_m = unit_of(unit_name(options, map.unit, found));
+  const double unit_m = map_unit_m(options, map, found);
   found.taken.emplace_back("depth",
                            options.kind.empty()
                                ? "length of the pixel's ray (assumed; --kind z otherwise)"
@@ -369,8 +377,10 @@ FoundSurface surface_of(const DepthMapFile& map,
 
 FoundSurface read_found_surface(const SurfaceFileOptions& options, const ResolvedScene& scene) {
   try {
-    if (is_depth_map(options.file)) {
-      return surface_of(read_depth_map(options.file, options.depths), options, scene.view());
+    if (!depth_map_format(options.file).empty()) {
+      DepthMapChoice depths = options.depths;
+      depths.size = scene.view().camera.image_size;
+      return surface_of(read_depth_map(options.file, depths), options, scene.view());
     }
     const std::string extension = phantoms::lower_case_extension(options.file);
     if (extension == ".ply" || extension == ".stl" || extension == ".obj") {
@@ -379,9 +389,10 @@ FoundSurface read_found_surface(const SurfaceFileOptions& options, const Resolve
   } catch (const std::invalid_argument& error) {
     throw UserError(options.file.string() + ": " + error.what());
   }
-  throw UserError(options.file.string() +
-                  ": must be a depth map (.exr, .tif, .tiff, .npy, .npz), or a mesh or a point "
-                  "cloud (.ply, .stl, .obj)");
+  throw UserError(
+      options.file.string() +
+      ": must be a depth map (.exr, .tif, .tiff, .png, .pfm, .npy, .npz), or a mesh or a point "
+      "cloud (.ply, .stl, .obj)");
 }
 
 }  // namespace wobblebench::bench

@@ -23,6 +23,7 @@ struct SurfaceFileOptions {
   DepthMapChoice depths;      ///< of depth maps
   std::optional<double> far;  ///< depths from this on, in the file's unit, are no surface
   double point_m = 0;         ///< radius of points; 0: of their spacing
+  double step_m = 0;          ///< of a map's numbers; 0: they are lengths
 };
 
 enum class SurfaceFileKind { depth_map, mesh, points };
@@ -38,8 +39,8 @@ struct FoundSurface {
   std::vector<std::pair<std::string, long>> counts;
 };
 
-/// By the extension of the file: .exr, .tif, .tiff, .npy, .npz are depth maps, .ply, .stl, .obj
-/// meshes, or points where they have no triangles. Throws UserError "FILE: …": one that cannot be
+/// A depth map by the file's first bytes; by its extension .ply, .stl, .obj are meshes, or points
+/// where they have no triangles. Throws UserError "FILE: …": one that cannot be
 /// read, is damaged, of another size or of another view than the scene's, or of which nothing lies
 /// in the view's box, with what may be meant.
 FoundSurface read_found_surface(const SurfaceFileOptions& options, const ResolvedScene& scene);

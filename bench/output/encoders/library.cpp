@@ -72,18 +72,46 @@ std::invalid_argument unreadable(const std::string& reason) {
   return std::invalid_argument("is no readable picture (" + line + ")");
 }
 
-void check_window(const OIIO::ImageSpec& spec, int most_side) {
-  if (spec.width < 1 || spec.height < 1 || std::max(spec.width, spec.height) > most_side ||
-      spec.depth != 1 || spec.nchannels > 64) {
-    throw std::invalid_argument("has " + std::to_string(spec.width) + " x " +
-                                std::to_string(spec.height) + " pixels; at most " +
-                                std::to_string(most_side) + " a side are read");
+void check_window(int width, int height, const OIIO::ImageSpec& spec, int most_side) {
+  if (width >= 1 && height >= 1 && std::max(width, height) <= most_side && spec.depth == 1 &&
+      spec.nchannels <= 64) {
+    return;
   }
+  throw std::invalid_argument("has " + std::to_string(width) + " x " + std::to_string(height) +
+                              " pixels; at most " + std::to_string(most_side) + " a side are read");
+}
+
+/// A file may claim any size: of what codecs of pictures make, with room.
+void check_claim(const OIIO::ImageSpec& spec, const std::filesystem::path& path) {
+  constexpr double kMostRatio = 10'000;
+  const auto there = static_cast<double>(std::filesystem::file_size(path));
+  if (static_cast<double>(spec.image_bytes(true)) <= kMostRatio * there) return;
+  throw std::invalid_argument("claims " + std::to_string(spec.image_bytes(true)) +
+                              " bytes of picture; has too few for them");
+}
+
+/// A file may store a part of its picture (OpenEXR's data window in the display window): NaN where
+/// there is none. What lies outside of the picture is left out.
+void place_in_window(const OIIO::ImageSpec& spec, DecodedPicture& picture) {
   const bool whole = spec.x == spec.full_x && spec.y == spec.full_y &&
                      spec.width == spec.full_width && spec.height == spec.full_height;
-  if (!whole) {
-    throw std::invalid_argument(
-        "stores a part of its picture (data window and display window differ); must be all of it");
+  if (whole) return;
+  DecodedPicture part = std::move(picture);
+  picture = part;
+  picture.width = spec.full_width;
+  picture.height = spec.full_height;
+  const auto channels = static_cast<std::ptrdiff_t>(picture.channels.size());
+  picture.values.assign(static_cast<std::size_t>(channels) * spec.full_width * spec.full_height,
+                        NAN);
+  const int left = spec.x - spec.full_x, top = spec.y - spec.full_y;
+  const int from = std::max(0, left), to = std::min(spec.full_width, left + spec.width);
+  for (int row = std::max(0, top); row < std::min(spec.full_height, top + spec.height); ++row) {
+    if (from >= to) break;
+    const auto stored =
+        part.values.begin() + channels * ((row - top) * std::ptrdiff_t{spec.width} + from - left);
+    std::copy_n(stored,
+                channels * (to - from),
+                picture.values.begin() + channels * (row * std::ptrdiff_t{spec.full_width} + from));
   }
 }
 
@@ -139,10 +167,13 @@ DecodedPicture decode_image(const std::filesystem::path& path, int most_side) {
   const auto input = OIIO::ImageInput::open(path.string());
   if (!input) throw unreadable(OIIO::geterror());
   const OIIO::ImageSpec& spec = input->spec();
-  check_window(spec, most_side);
+  check_window(spec.width, spec.height, spec, most_side);
+  check_window(spec.full_width, spec.full_height, spec, most_side);
+  check_claim(spec, path);
   DecodedPicture picture{
       spec.width, spec.height, spec.channelnames, !spec.format.is_floating_point(), {}, {}, {}};
   read_stored_values(*input, picture);
+  place_in_window(spec, picture);
   add_attributes(spec, picture);
   return picture;
 }

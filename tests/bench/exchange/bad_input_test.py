@@ -17,7 +17,7 @@ class Bad(Input):
     def test_meta_image(self):
         good = mha(np.zeros((3, 4, 8), np.uint8))
         cases = {"has 5": good[:-3] + b"", "is no MetaImage": good[:60], "must be MET_UCHAR": good.replace(b"UCHAR", b"OTHER"),
-                 "voxels are damaged": good.replace(b"CompressedData = False", b"CompressedData = True"),
+                 "voxels cannot be decompressed": good.replace(b"CompressedData = False", b"CompressedData = True"),
                  "must be one file that is there": good.replace(b"LOCAL", b"a.raw"), "at most 10^11": good.replace(b"= 8 4 3", b"= 999999 999999 999999"),
                  "must be 1 to 4 whole numbers": good.replace(b"= 8 4 3", b"= 8 0 3"), "DimSize has": good.replace(b"NDims = 3", b"NDims = 2"),
                  "need": good.replace(b"UCHAR", b"USHORT")}
@@ -35,7 +35,7 @@ class Bad(Input):
     def test_nrrd(self):
         grid = np.zeros((5, 6, 7), np.uint8)
         keys = {"layout": "cartesian", "dynamic_range_db": 60.0}
-        cases = {"is no NRRD": b"NRRX" + nrrd(grid, "uint8")[4:], "voxels are damaged": nrrd(grid, "uint8").replace(b"raw", b"gzip"),
+        cases = {"is no NRRD": b"NRRX" + nrrd(grid, "uint8")[4:], "voxels cannot be decompressed": nrrd(grid, "uint8").replace(b"raw", b"gzip"),
                  "need": nrrd(grid, "uint16"), "must be \"mm\"": nrrd(grid, "uint8", more='space units: "m" "m" "m"\n'),
                  "has no spacing": nrrd(grid, "uint8", None), "in one plane": nrrd(grid, "uint8", "(1,0,0) (1,0,0) (0,0,1)"),
                  "one an axis": nrrd(grid, "uint8", "(1,0,0) (0,1,0)"), "space = scanner-xyz": nrrd(grid, "uint8", space="scanner-xyz"),

@@ -152,23 +152,23 @@ class Dialects(Input):
                 "data file = ../a.raw: must be a file in the header's folder": self.nrrd(b"", data_file="../a.raw"),
                 "ElementDataFile = /dev/zero: must be a file in the": self.meta(b"", ElementDataFile="/dev/zero"),
                 "short.raw: has 559 bytes": self.meta(b"", ElementDataFile="short.raw"),
-                "voxels are damaged": self.nrrd(zipped[:15] + b"\xff\xff" + zipped[17:], encoding="gzip"),
-                "voxels do not end where": self.nrrd(zipped + b"x", encoding="gzip"),
-                "voxels are 560 bytes; the header says 1120": self.nrrd(zipped, encoding="gzip", sizes="16 7 10"),
-                "voxels are more than they should be": self.meta(zlibbed, CompressedData="True", DimSize="16 7 4"),
-                "voxels are 0 bytes": self.nrrd(zipped[:9], encoding="gzip"),
-                "voxels cannot be that many": self.nrrd(zipped, encoding="gzip", sizes="1000000 1000 99"),
-                "the header says 99000000000 numbers": self.nrrd(b"1 2", encoding="ascii", sizes="1000000 1000 99"),
-                "voxel 1 is no finite number": self.meta(b"1 1.#IND 3", BinaryData="False", DimSize="1 1 3"),
-                "has 559 numbers": self.nrrd(b"7 " * 559, encoding="ascii"), "must be 0 where voxels are not raw": self.nrrd(zipped, encoding="gzip", byte_skip=3),
+                "its voxels cannot be decompressed to 560 bytes": self.nrrd(zipped[:15] + b"\xff\xff" + zipped[17:], encoding="gzip"),
+                "voxels cannot be decompressed to 560 bytes": self.nrrd(zipped + b"x", encoding="gzip"),
+                "cannot be decompressed to 560 bytes": self.nrrd(zipped[:-9], encoding="gzip"),
+                "cannot be decompressed to 1120 bytes": self.nrrd(zipped, encoding="gzip", sizes="16 7 10"),
+                "cannot be decompressed to 448 bytes": self.meta(zlibbed, CompressedData="True", DimSize="16 7 4"),
+                "voxels cannot be 99000000000 bytes": self.nrrd(zipped, encoding="gzip", sizes="1000000 1000 99"),
+                "voxels are 2 numbers; must be 99000000000": self.nrrd(b"1 2", encoding="ascii", sizes="1000000 1000 99"),
+                "hold no finite number at index 1": self.meta(b"1 1.#IND 3", BinaryData="False", DimSize="1 1 3"),
+                "voxels are 559 numbers; must be 560": self.nrrd(b"7 " * 559, encoding="ascii"), "voxels must not have bytes to skip": self.nrrd(zipped, encoding="gzip", byte_skip=3),
                 "has fewer lines than": self.nrrd(b"", line_skip=3), "byte skip = -2: must be a whole number from -1 on": self.nrrd(raw, byte_skip=-2),
-                "the header says 7": self.meta(zlibbed, CompressedData="True", CompressedDataSize=7),
+                "bytes; the header says 7": self.meta(zlibbed, CompressedData="True", CompressedDataSize=7),
                 "CompressedData = maybe: must be True or False": self.meta(raw, CompressedData="maybe")}.items():
             self.refused(self.board(self.write("bad.bin", data), **self.SCALE), says)
         grid = self.nrrd(raw, space_directions="(1,0,0) (0,1,0) (0,0,1)")
         self.refused(self.board(self.write("g.nrrd", grid), layout="cartesian", dynamic_range_db=60.0), "space is missing; must be given as")
-        self.refused("file=" + self.path("folder.npz"), "but a file of NumPy")
-        self.refused("file=" + self.write("d", b"\0" * 128 + b"DICM"), "but a file of DICOM")
+        self.refused("file=" + self.path("folder.npz"), "arrays: numpy.load reads those")
+        self.refused("file=" + self.write("d", b"\0" * 128 + b"DICM"), "DICOM: pydicom")
 
 
 class Plus(Input):
@@ -390,6 +390,12 @@ class Zea(Input):
         refused(self.board(self.zea(db * np.nan), **POLAR), "voxel 0 is no finite number")
         refused(self.board(self.zea(db.astype(complex)), **POLAR), "must hold numbers")
         refused(self.board(self.zea(db, name="beamformed_data"), **POLAR), "holds neither data/image nor")
+        with h5py.File(self.path("lzf.h5"), "w") as out:
+            out.create_dataset("data/image", data=db, compression="lzf")
+        with h5py.File(self.path("huge.h5"), "w") as out:
+            out.create_dataset("data/image", (1, 1000, 1000, 900), "f4", chunks=True)
+        refused(self.board(self.path("huge.h5"), **POLAR), "claims 900000000 numbers, of which it stores 0 bytes")
+        refused(self.board(self.path("lzf.h5"), **POLAR), "is stored by filter 32000 (lzf), which is not read; gzip is")
         refused(self.board(self.write("n.hdf5", b"no HDF5"), **POLAR), "it cannot be opened as one")
         two = self.zea(db)
         with h5py.File(two, "a") as out:
