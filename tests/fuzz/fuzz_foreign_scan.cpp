@@ -59,7 +59,7 @@ void check(const fs::path& file, const fs::path& geometry) {
   const double samples =
       1.0 * acquisition.volumes * scan.plan.sticks_per_volume() * acquisition.samples_per_stick;
   if (samples > kMostSamples) return;
-  for (const float sample : scan.samples(0)) {
+  for (const float sample : scan.samples(0, {})) {
     if (!std::isfinite(sample) || sample < 0) std::abort();
   }
   bench::recorded(scan);

@@ -86,14 +86,20 @@ void ForeignArray::split_volumes(const Geometry& geometry) {
   sizes_.at(2) = frames;
 }
 
-std::vector<float> ForeignArray::values(std::uint64_t volume) const {
-  const std::uint64_t count = sizes_[0] * sizes_[1] * sizes_[2];
-  const std::vector<float> in_file = read_voxels(file_, volume * count, count);
-  std::vector<float> values;
-  values.reserve(count);
+/// Reads plane by plane where they lie so: memory follows what is asked for.
+std::vector<float> ForeignArray::values(std::uint64_t volume,
+                                        const std::vector<bool>& thirds) const {
+  const std::uint64_t plane = sizes_[0] * sizes_[1], count = plane * sizes_[2];
+  const bool in_planes = stride_[2] == plane;
+  std::vector<float> in_file, values;
+  if (!in_planes) in_file = read_voxels(file_, volume * count, count);
   for (std::uint64_t k = 0; k < sizes_[2]; ++k) {
+    if (!thirds.empty() && !thirds[k]) continue;
+    if (in_planes) in_file = read_voxels(file_, third_in_file(k, volume) * plane, plane);
+    const std::uint64_t before = in_planes ? index(0, 0, k) / plane * plane : 0;
     for (std::uint64_t j = 0; j < sizes_[1]; ++j) {
-      for (std::uint64_t i = 0; i < sizes_[0]; ++i) values.push_back(in_file[index(i, j, k)]);
+      for (std::uint64_t i = 0; i < sizes_[0]; ++i)
+        values.push_back(in_file[index(i, j, k) - before]);
     }
   }
   return values;

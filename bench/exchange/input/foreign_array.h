@@ -31,8 +31,9 @@ class ForeignArray {
   /// Index along the third axis and all volumes, where it lies in the file.
   std::uint64_t third_in_file(std::uint64_t third, std::uint64_t volume) const;
 
-  /// Values of a volume, [(third * size(1) + second) * size(0) + first].
-  std::vector<float> values(std::uint64_t volume) const;
+  /// Values of a volume, [(third * size(1) + second) * size(0) + first]; of `thirds` alone, unless
+  /// that is empty.
+  std::vector<float> values(std::uint64_t volume, const std::vector<bool>& thirds = {}) const;
 
  private:
   void place_axes(const Geometry& geometry);

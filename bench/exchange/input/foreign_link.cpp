@@ -12,8 +12,6 @@
 
 namespace wobblebench::bench {
 
-namespace {
-
 void check_memory(const ForeignScan& scan) {
   const hw::AcquisitionOptions& a = scan.plan.acquisition();
   check_half_of_memory(
@@ -21,12 +19,15 @@ void check_memory(const ForeignScan& scan) {
       double{sizeof(float)} * a.volumes * scan.plan.sticks_per_volume() * a.samples_per_stick);
 }
 
+namespace {
+
 void write_volume(const ForeignScan& scan, std::uint32_t volume, int file) {
   const auto frames = scan.plan.acquisition().frames_per_volume;
   const auto first =
       scan.valid.begin() + (scan.valid.empty() ? 0 : std::ptrdiff_t{volume} * frames);
   const std::vector<bool> valid(first, scan.valid.empty() ? first : first + frames);
-  const std::vector<std::byte> bytes = packets_of_volume(scan, volume, scan.samples(volume), valid);
+  const std::vector<std::byte> bytes =
+      packets_of_volume(scan, volume, scan.samples(volume, valid), valid);
   if (!write_all(file, {reinterpret_cast<const char*>(bytes.data()), bytes.size()})) {
     throw std::runtime_error(scan.path.string() +
                              ": cannot be kept in memory: " + std::strerror(errno));
@@ -50,14 +51,15 @@ std::vector<std::byte> packets_of_volume(const ForeignScan& scan,
                                      .acquisition = plan.acquisition(),
                                      .display_scale = scan.display_scale},
              bytes);
-  const auto samples = static_cast<std::size_t>(plan.acquisition().samples_per_stick);
+  const auto samples = static_cast<std::ptrdiff_t>(plan.acquisition().samples_per_stick);
+  auto at = values.begin();
   for (std::size_t i = 0; i < static_cast<std::size_t>(plan.sticks_per_volume()); ++i) {
     hw::Stick stick;
     hw::schedule(stick, plan, first + i);
     if (!frames.empty() && !frames[stick.index.frame]) continue;
     stick.motor_angle_rad = scan.motor_rad.at(stick.index.frame);
-    const float* at = values.data() + i * samples;
     stick.samples.assign(at, at + samples);
+    at += samples;
     hw::encode(stick, bytes);
   }
   hw::encode(

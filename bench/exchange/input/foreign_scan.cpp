@@ -186,8 +186,8 @@ ForeignScan polar_scan(const Described& described) {
   if (!described.coordinates_m.empty()) {
     check_sticks(described.coordinates_m, array, plan, motor_rad);
   }
-  const auto samples = [array, values](std::uint32_t volume) {
-    std::vector<float> read = array.values(volume);
+  const auto samples = [array, values](std::uint32_t volume, const std::vector<bool>& frames) {
+    std::vector<float> read = array.values(volume, frames);
     for (float& value : read) value = static_cast<float>(values.sample(double{value}));
     return read;
   };
@@ -258,9 +258,11 @@ ForeignScan planes_scan(const Described& described) {
     described.refuse("geometry: " + significant(100 * outside, 3) +
                      " % of the sector lies outside the picture; must lie in it");
   }
-  const auto samples = [array, values, pixels, plan](std::uint32_t volume) {
-    return sticks_of_planes(
-        plan, pixels, array.values(volume), [&](double value) { return values.sample(value); });
+  const auto samples = [array, values, pixels, plan](std::uint32_t volume,
+                                                     const std::vector<bool>& frames) {
+    return sticks_of_planes(plan, pixels, array.values(volume, frames), [&](double value) {
+      return values.sample(value);
+    });
   };
   return {.path = described.file.path,
           .plan = plan,
@@ -310,7 +312,7 @@ ForeignScan cartesian_scan(Described described) {
   const StickCounts counts = sticks_of(described.geometry, step_m);
   auto motor_rad = frame_angles(described, counts.frames);
   auto plan = plan_of(described, counts.samples, counts.lines, array.volumes(), motor_rad);
-  const auto samples = [array, values, grid, plan](std::uint32_t volume) {
+  const auto samples = [array, values, grid, plan](std::uint32_t volume, const auto&) {
     return sticks_of_grid(
         plan, grid, array.values(volume), [&](double value) { return values.sample(value); });
   };

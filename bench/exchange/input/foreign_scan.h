@@ -22,8 +22,9 @@ struct ForeignScan {
   hw::AcquisitionPlan plan;        ///< with its number of volumes
   hw::DisplayScale display_scale;  ///< unstated unless the full scale is known
   std::vector<double> motor_rad;   ///< angle of each frame
-  /// Samples of a volume, [frame][line][sample], 0 to 1 over the dynamic range. Throws UserError.
-  std::function<std::vector<float>(std::uint32_t volume)> samples;
+  /// Samples of a volume, [frame][line][sample], 0 to 1 over the dynamic range; of `frames` alone,
+  /// unless that is empty. Throws UserError.
+  std::function<std::vector<float>(std::uint32_t volume, const std::vector<bool>& frames)> samples;
   /// [volume * frames + frame]: whose sticks there are; empty: all.
   std::vector<bool> valid = {};
   std::string summary;  ///< a few lines for a terminal: what the file holds, and how it is taken
@@ -38,14 +39,17 @@ ForeignScan open_foreign_scan(const std::filesystem::path& path,
 ForeignScan scan_of_voxels(VoxelFile file, const std::filesystem::path& geometry);
 
 /// A volume's packets of the wire format, of hardware: its configuration, the sticks of `values`,
-/// [frame][line][sample], and its end. `frames`: those whose sticks there are; empty: all.
+/// [frame][line][sample], and its end. `frames`: those that `values` are of; empty: all.
 std::vector<std::byte> packets_of_volume(const ForeignScan& scan,
                                          std::uint32_t volume,
                                          const std::vector<float>& values,
                                          const std::vector<bool>& frames = {});
 
+/// Throws UserError where its samples need more than half of the memory.
+void check_memory(const ForeignScan& scan);
+
 /// The scan as a recording in memory, in the wire format; of hardware, so that nothing compares it
-/// with a truth. Throws UserError where it is larger than half of the memory, and as `samples`.
+/// with a truth. Throws as check_memory() and `samples`.
 FileDescriptor recorded(const ForeignScan& scan);
 
 /// Where an open descriptor can be opened once more.

@@ -23,7 +23,7 @@ struct IgtlLinkOptions {
   std::string device;  ///< whose images are taken; empty: the first that sends a grey one
   PlaneOrder planes = PlaneOrder::numbered;
   double period_s = 0;  ///< from one image to the next, to count those lost by time stamps; 0: none
-  double patience_s = 30;  ///< without a byte, after which the server counts as lost
+  double patience_s = 30;  ///< without an image, after which the server counts as lost
 };
 
 template <OptionsOf<IgtlLinkOptions> O, class Visitor>

@@ -18,7 +18,8 @@ namespace {
 /// No message is longer: what is announced so is no message.
 constexpr std::uint64_t kMostBodyBytes = std::uint64_t{1} << 32U;
 
-constexpr std::uint64_t kPieceBytes = 4 << 20;
+/// Of an image: each renews the patience, so that a slow server is none that is silent.
+constexpr std::uint64_t kPieceBytes = 64 << 10;
 
 }  // namespace
 
@@ -35,28 +36,29 @@ IgtlReceiver::IgtlReceiver(FileDescriptor socket,
       most_bytes_(most_bytes),
       left_out_(std::move(left_out)) {}
 
-void IgtlReceiver::wait() {
+void IgtlReceiver::wait() const {
+  using namespace std::chrono;
+  const auto left = ceil<milliseconds>(deadline_ - steady_clock::now()).count();
   pollfd watched[] = {{socket_.get(), POLLIN, 0}, {wake_, POLLIN, 0}};
-  const int ready = ::poll(watched, 2, static_cast<int>(patience_.count()));
+  const int ready = ::poll(watched, 2, static_cast<int>(std::max<std::int64_t>(left, 0)));
   if (watched[1].revents != 0) throw ReceivingEnded(true, "closed");
-  if (ready == 0) {
-    const double seconds = std::chrono::duration<double>(patience_).count();
-    throw ReceivingEnded(false, "nothing came for " + significant(seconds, 3) + " s");
+  if (ready == 0 || left <= 0) {
+    const double seconds = duration<double>(patience_).count();
+    throw ReceivingEnded(false, "no image came for " + significant(seconds, 3) + " s");
   }
 }
 
 std::size_t IgtlReceiver::receive(char* to, std::size_t count) {
   std::size_t done = 0;
   while (done < count) {
+    wait();  // before each: a server that never pauses must not keep from ending
     const ssize_t got = ::recv(socket_.get(), to + done, count - done, MSG_DONTWAIT);
     if (got > 0) {
       done += static_cast<std::size_t>(got);
     } else if (got == 0) {
       if (done == 0) return 0;
       throw ReceivingEnded(false, "the server closed the connection within a message");
-    } else if (errno == EAGAIN) {
-      wait();
-    } else if (errno != EINTR) {
+    } else if (errno != EAGAIN && errno != EINTR) {
       throw ReceivingEnded(false, std::generic_category().message(errno));
     }
   }
@@ -94,6 +96,7 @@ std::string IgtlReceiver::receive_body(std::uint64_t count) {
   std::string body;
   while (body.size() < count) {
     const std::size_t before = body.size();
+    deadline_ = std::chrono::steady_clock::now() + patience_;
     const auto piece = static_cast<std::size_t>(std::min(count - before, kPieceBytes));
     body.resize(before + piece);
     if (receive(body.data() + before, piece) == 0) {
@@ -116,7 +119,9 @@ std::unique_ptr<ReceivedImage> IgtlReceiver::take(const ReceivedHeader& header) 
 }
 
 std::unique_ptr<ReceivedImage> IgtlReceiver::next() {
+  const auto deadline = std::chrono::steady_clock::now() + patience_;
   for (;;) {
+    deadline_ = deadline;
     std::array<char, kIgtlHeaderBytes> bytes;
     if (receive(bytes.data(), bytes.size()) == 0) {
       throw ReceivingEnded(true, "the server closed the connection");

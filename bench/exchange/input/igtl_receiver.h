@@ -47,7 +47,7 @@ class IgtlReceiver {
                std::shared_ptr<LeftOut> left_out);
 
   /// The next grey image of the device. Damaged ones, and all other messages, are counted and left
-  /// out. Throws ReceivingEnded.
+  /// out, and are not what the server is waited for. Throws ReceivingEnded.
   std::unique_ptr<ReceivedImage> next();
   /// From now on of this device alone.
   void take_only(const std::string& device) { device_ = device; }
@@ -59,13 +59,15 @@ class IgtlReceiver {
   bool is_wanted(const ReceivedHeader& header);
   /// Bytes that came, fewer only where the server closed before the first.
   std::size_t receive(char* to, std::size_t count);
-  void wait();
+  /// For bytes, until the deadline.
+  void wait() const;
   void skip(std::uint64_t count);
 
   FileDescriptor socket_;
   int wake_;
   std::string device_;
   std::chrono::milliseconds patience_;
+  std::chrono::steady_clock::time_point deadline_;  ///< for an image, or more of it
   std::uint64_t most_bytes_;
   std::shared_ptr<LeftOut> left_out_;
 };

@@ -128,6 +128,7 @@ IgtlVolumes::IgtlVolumes(const std::string& server,
         server + ": a volume cannot be kept in memory: " + std::generic_category().message(errno));
   }
   scan_ = scan_of_voxels(described(server, first, frames_, voxels_), geometry);
+  check_memory(*scan_);  // of one volume
   hw::AcquisitionOptions endless = scan_->plan.acquisition();
   endless.volumes = hw::kMostVolumes;
   scan_->plan = hw::AcquisitionPlan(scan_->plan.probe(), endless);
@@ -226,9 +227,8 @@ std::vector<std::byte> IgtlVolumes::end_volume() {
   const std::uint32_t volume = volume_++;
   if (is_empty) return {};
   try {
-    const std::vector<float> samples = scan_->samples(0);
-    return frames_ == 1 ? packets_of_volume(*scan_, volume, samples)
-                        : packets_of_volume(*scan_, volume, samples, frames);
+    const std::vector<bool> some = frames_ == 1 ? std::vector<bool>{} : frames;
+    return packets_of_volume(*scan_, volume, scan_->samples(0, some), some);
   } catch (const UserError&) {
     left_out_->count("volumes: with voxels that are no finite numbers");
     return {};

@@ -77,13 +77,14 @@ std::optional<double> voxel_value(const VoxelGrid& grid,
   return sum;
 }
 
-/// body(line, frame, samples of the stick) for all sticks, on all threads.
+/// body(line, frame, samples of the stick) for all sticks of so many frames, on all threads.
 template <class Body>
-std::vector<float> each_stick(const hw::AcquisitionPlan& plan, const Body& body) {
+std::vector<float> each_stick(const hw::AcquisitionPlan& plan, int frames, const Body& body) {
   const hw::AcquisitionOptions& a = plan.acquisition();
   const auto count = static_cast<std::size_t>(a.samples_per_stick);
-  std::vector<float> samples(static_cast<std::size_t>(plan.sticks_per_volume()) * count);
-  parallel_rows(plan.sticks_per_volume(), [&](int stick) {
+  const int sticks = frames * a.sticks_per_frame;
+  std::vector<float> samples(static_cast<std::size_t>(sticks) * count);
+  parallel_rows(sticks, [&](int stick) {
     body(stick % a.sticks_per_frame,
          stick / a.sticks_per_frame,
          samples.data() + static_cast<std::size_t>(stick) * count);
@@ -122,9 +123,10 @@ std::vector<float> sticks_of_planes(const hw::AcquisitionPlan& plan,
                                     const PlanePixels& pixels,
                                     const std::vector<float>& values,
                                     const ToSample& to_sample) {
-  return each_stick(plan, [&](int line, int frame, float* samples) {
-    const float* picture =
-        values.data() + static_cast<std::size_t>(frame) * pixels.columns * pixels.rows;
+  const std::size_t pixels_of_plane = pixels.columns * pixels.rows;
+  const auto planes = static_cast<int>(values.size() / pixels_of_plane);
+  return each_stick(plan, planes, [&](int line, int plane, float* samples) {
+    const float* picture = values.data() + static_cast<std::size_t>(plane) * pixels_of_plane;
     for (int k = 0; k < plan.acquisition().samples_per_stick; ++k) {
       const double radius_m = plan.probe().radius_m + plan.sample_range_m(k);
       const auto value =
@@ -164,7 +166,8 @@ std::vector<float> sticks_of_grid(const hw::AcquisitionPlan& plan,
                                   const ToSample& to_sample) {
   const hw::ProbeGeometry geometry = plan.geometry();
   const glm::dmat3 to_index = glm::inverse(grid.step_m);
-  return each_stick(plan, [&](int line, int frame, float* samples) {
+  const int frames = plan.acquisition().frames_per_volume;
+  return each_stick(plan, frames, [&](int line, int frame, float* samples) {
     const hw::Ray ray = geometry.stick(plan.theta_rad(line), plan.frame_phi_rad(frame));
     for (int k = 0; k < plan.acquisition().samples_per_stick; ++k) {
       const glm::dvec3 index = to_index * (ray.at(plan.sample_range_m(k)) - grid.origin_m);

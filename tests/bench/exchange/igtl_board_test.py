@@ -212,7 +212,9 @@ class Hostile(InFolder):
             connection.sendall(data)
             if hold:
                 time.sleep(20)
+        self.refused_server(send, why, keys, code)
 
+    def refused_server(self, send, why, keys, code):
         server = igtl.Server(send)
         self.addCleanup(server.close)
         out = self.path(f"hostile{server.port}")
@@ -248,7 +250,47 @@ class Hostile(InFolder):
 
     def test_nothing_and_silence(self):
         self.refused(b"", "the server closed the connection; must send a grey IMAGE")
-        self.refused(volumes([0])[0][:500], "nothing came for 0.5 s", keys=",patience_s=0.5", hold=True)
+        self.refused(volumes([0])[0][:500], "no image came for 0.5 s", keys=",patience_s=0.5", hold=True)
+
+    def test_a_flood_without_an_image_ends_after_the_patience(self):
+        """Also of damaged images, and one message at a time."""
+        broken = bytearray(volumes([0])[0])
+        broken[-1] ^= 1
+        for flood, pause, what in ((igtl.message("TRANSFORM", bytes(48)), 0.1, "TRANSFORM messages ("),
+                                   (igtl.message("STATUS", bytes(31)) * 5000, 0, "STATUS messages ("),
+                                   (bytes(broken) * 50, 0, "images: has a wrong CRC (")):
+            def send(connection, flood=flood, pause=pause):
+                while True:
+                    connection.sendall(flood)
+                    time.sleep(pause)
+            self.refused_server(send, ["no image came for 0.6 s; must send a grey IMAGE, and sent " + what],
+                                ",patience_s=0.6", 2)
+
+    def test_a_flood_does_not_delay_the_end(self):
+        """The volumes that were asked for are there: it ends at once, and not when the server pauses."""
+        def send(connection):
+            connection.sendall(b"".join(volumes([0, 1])))
+            while True:
+                connection.sendall(igtl.message("STATUS", bytes(31)) * 5000)
+        server = igtl.Server(send)
+        self.addCleanup(server.close)
+        begun = time.monotonic()
+        run("export", f"igtl=127.0.0.1:{server.port}", "--to", self.path("flood.npz"), "--volumes", 1)
+        self.assertLess(time.monotonic() - begun, 10)
+
+    def test_two_planes_of_a_huge_fan_take_the_memory_of_two(self):
+        """A volume of 1024 such planes has 268 MB a copy."""
+        plane = np.full((1, 128, 512), 9, np.uint8)
+        about = dict(POLAR, wobblebench_frames_per_volume="1024")
+        data = b"".join(igtl.image(plane, metadata=dict(about, wobblebench_volume=str(v), wobblebench_frame="0"),
+                                   version=2) for v in range(2))
+        server = serve([data])
+        self.addCleanup(server.close)
+        child = os.posix_spawn(PROGRAM, [PROGRAM, "record", "--board", f"igtl=127.0.0.1:{server.port}",
+                                         "--out", self.path("huge")], os.environ)
+        _, status, used = os.wait4(child, 0)
+        self.assertEqual(status, 0)
+        self.assertLess(used.ru_maxrss, 200_000)
 
     def test_cut_messages(self):
         data = volumes([0])[0]
@@ -310,6 +352,15 @@ class Hostile(InFolder):
         scale = dict(wobblebench_white="255")
         data = [igtl.image(values, metadata=dict(numbered(v), **scale), version=2)
                 for v, values in enumerate((polar(0).astype("f4"), bad, polar(2).astype("f4")))]
+        self.refused(b"".join(data), "volumes: with voxels that are no finite numbers (1)", code=0)
+
+    def test_a_plane_that_is_no_number_drops_its_own_volume_alone(self):
+        bad = polar(0).astype("f4")
+        bad[2, 3, 4] = np.nan
+        about = {"wobblebench_white": "255", "wobblebench_frames_per_volume": "9"}
+        data = [igtl.image(values[f][None], metadata=dict(numbered(v, f), **about), version=2)
+                for v, values in enumerate((bad, *(polar(k).astype("f4") for k in (1, 2))))
+                for f in range(FRAMES) if v == 0 or f != 2]
         self.refused(b"".join(data), "volumes: with voxels that are no finite numbers (1)", code=0)
 
 
