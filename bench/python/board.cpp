@@ -83,6 +83,10 @@ void BoardReader::read() {
 
 std::optional<bench::StreamFrame> BoardReader::next_frame() {
   const std::lock_guard lock(reading_);
+  return read_frame();
+}
+
+std::optional<bench::StreamFrame> BoardReader::read_frame() {
   start();
   auto frame = queue_->pop();
   if (frame) return frame;
@@ -102,8 +106,9 @@ hw::SubjectHash BoardReader::subject() {
 }
 
 VolumePointer BoardReader::next_volume() {
+  const std::lock_guard lock(reading_);  // over all of it: frames go to one caller
   VolumePointer volume;
-  while (auto frame = next_frame()) {
+  while (auto frame = read_frame()) {
     if (!volume || volume->index != frame->volume) {
       volume = std::make_shared<VolumeData>(plan(), frame->volume);
       volume->subject = subject();

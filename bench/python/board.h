@@ -46,6 +46,7 @@ class BoardReader {
   void open_without_scene();
   void start();
   void read();
+  std::optional<bench::StreamFrame> read_frame();  ///< with reading_
 
   bench::BoardArguments arguments_;
   std::optional<bench::BoardConnection> connection_;

@@ -2,6 +2,7 @@
 #include "bench/python/picture.h"
 
 #include <pybind11/stl.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <memory>
@@ -51,10 +52,24 @@ std::mutex& gl_mutex() {
   return mutex;
 }
 
+/// The driver's threads are not in a process that is forked from one that has rendered.
+bool is_forked() {
+  static const pid_t first = ::getpid();
+  return ::getpid() != first;
+}
+
+void refuse_fork() {
+  if (!is_forked()) return;
+  throw std::runtime_error(
+      "Renderer: this process was forked from one that had rendered, without its driver's threads; "
+      "it must be started anew, as by multiprocessing.get_context(\"spawn\")");
+}
+
 /// A context that is current on the thread of a call, and on none between calls.
 class RendererHandle {
  public:
   RendererHandle(ScenePointer scene, const std::string& backend) : scene_(std::move(scene)) {
+    refuse_fork();
     scene_->resolved();
     const std::lock_guard lock(gl_mutex());
     context_ = render::make_context(backend);
@@ -67,6 +82,11 @@ class RendererHandle {
     // The last owner may be Python, or the thread of a call that Ctrl-C left.
     std::optional<py::gil_scoped_release> others_run;
     if (PyGILState_Check() == 1) others_run.emplace();
+    if (is_forked()) {  // what would wait for those threads stays
+      static_cast<void>(renderer_.release());
+      static_cast<void>(context_.release());
+      return;
+    }
     const std::lock_guard lock(gl_mutex());
     if (!context_) return;
     const ReleaseAtEnd current(*context_);
@@ -77,6 +97,7 @@ class RendererHandle {
   RendererHandle& operator=(const RendererHandle&) = delete;
 
   PicturePointer render(const VolumePointer& volume, const ScenePointer& other) {
+    refuse_fork();
     const ScenePointer& scene = other ? other : scene_;
     const bench::ResolvedScene& resolved = scene->resolved();
     const std::lock_guard lock(gl_mutex());

@@ -159,12 +159,13 @@ const ResolvedScene& SceneHandle::resolved() {
     subject_->made_of = made_of;
   }
   resolved_ = bench::resolve_scene(given_, subject_->phantom);
+  const std::lock_guard warning(warning_);
   warnings_ = progress->warnings();
   return *resolved_;
 }
 
 std::vector<std::string> SceneHandle::take_warnings() {
-  const std::lock_guard lock(subject_->mutex);
+  const std::lock_guard lock(warning_);
   return std::exchange(warnings_, {});
 }
 
@@ -199,6 +200,11 @@ void add_scene(py::module_& module) {
     const auto texts = settings_of(settings);
     return refusing([&] { return std::make_shared<SceneHandle>(file, texts); });
   };
+  const auto reduce = [](const SceneHandle& scene) {
+    if (scene.is_of_board()) throw py::type_error("the scene of a board cannot be pickled");
+    const auto file = scene.file().empty() ? "" : std::filesystem::absolute(scene.file()).string();
+    return py::make_tuple(py::type::of<SceneHandle>(), py::make_tuple(file, scene.settings()));
+  };
   py::class_<SceneHandle, ScenePointer>(module,
                                         "Scene",
                                         "What is scanned, by which probe, and how it is rendered: "
@@ -218,6 +224,7 @@ void add_scene(py::module_& module) {
           py::arg("settings"),
           "The scene with other settings. Phantom and truth are not made again where they are the "
           "same. The scene of a board takes settings of [render] alone.")
+      .def("__reduce__", reduce, "For pickle and copy: the file is read again.")
       .def_property_readonly(
           "options",
           [](const ScenePointer& scene) {

@@ -46,9 +46,12 @@ class SceneHandle {
   /// As the file and the settings give it.
   const bench::Scene& given() const { return given_; }
   const std::shared_ptr<Subject>& subject() const { return subject_; }
+  const std::string& file() const { return file_; }
+  const std::vector<std::string>& settings() const { return settings_; }
+  bool is_of_board() const { return is_of_board_; }
   /// Makes the phantom. Takes Subject::mutex. Throws as commands do.
   const bench::ResolvedScene& resolved();
-  /// Those of resolved(), once.
+  /// Those of resolved(), once. Waits for no other call, as it is called with Python's lock.
   std::vector<std::string> take_warnings();
   /// The true surface in a volume. Takes Subject::mutex. Throws UserError where it is not known.
   std::shared_ptr<const bench::TrueView> truth(std::uint32_t volume);
@@ -60,6 +63,7 @@ class SceneHandle {
   bool is_of_board_ = false;
   std::shared_ptr<Subject> subject_ = std::make_shared<Subject>();
   std::optional<bench::ResolvedScene> resolved_;
+  std::mutex warning_;  ///< of warnings_
   std::vector<std::string> warnings_;
 };
 

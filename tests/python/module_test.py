@@ -1,8 +1,11 @@
 """The Python module against the program: the same bytes, the same lines, arrays without copies, threads, Ctrl-C."""
+import copy
 import gc
 import json
 import os
 import pathlib
+import pickle
+import shutil
 import signal
 import subprocess
 import sys
@@ -313,6 +316,18 @@ class Threads(unittest.TestCase):
             thread.join()
         self.assertEqual(sorted(numbers), sorted(list(range(4)) * 14))
 
+    def test_each_volume_goes_whole_to_one_of_two_threads(self):
+        scene = wobblebench.Scene(settings={**SETTINGS, "acquisition.volumes": 40, "simulation.fidelity": "geometry"})
+        board = wobblebench.Board("sim", scene)
+        missing = []
+        threads = [threading.Thread(target=lambda: missing.extend((~volume.arrived).sum() for volume in board))
+                   for _ in range(3)]
+        for thread in threads:
+            thread.start()
+        for thread in threads:
+            thread.join()
+        self.assertEqual(missing, [0] * 40)
+
 
 INTERRUPTED = """
 import sys, wobblebench
@@ -350,6 +365,41 @@ class Process(unittest.TestCase):
             child.send_signal(signal.SIGINT)
             out, err = child.communicate()
             self.assertEqual((out, err, child.returncode), ("interrupted\n", "", 5))
+
+    def test_a_process_that_is_forked_after_rendering_is_refused_by_a_line_that_names_spawn(self):
+        code = ("import multiprocessing as m, pickle, wobblebench as w; s = w.Scene(settings={'phantom.name': 'sphere',"
+                "'render.ray_casting.image_size': 64}); v = w.simulate(s); r = w.Renderer(s); r.render(v)\n"
+                "def job(of):\n"
+                "    try: return of().render(v).depth_m.shape\n"
+                "    except w.Failed as error: return str(error)\n"
+                "def simulate(): return float(w.simulate(s).samples.mean())\n"
+                "jobs = (lambda: job(lambda: w.Renderer(s)), lambda: job(lambda: r), lambda: simulate() > 0)\n"
+                "def work(number): return jobs[number]()\n"
+                "with m.get_context('fork').Pool(1) as pool: print(pool.map_async(work, range(3)).get(20))")
+        done = subprocess.run([sys.executable, "-W", "ignore", "-c", code], capture_output=True, text=True, timeout=60)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertEqual(done.stdout.count('multiprocessing.get_context("spawn")'), 2, done.stdout)
+        self.assertTrue(done.stdout.endswith("True]\n"), done.stdout)
+
+    def test_a_scene_can_be_pickled(self):
+        scene = wobblebench.Scene(settings=SETTINGS)
+        again = pickle.loads(pickle.dumps(scene))
+        self.assertEqual((again.given, again.options), (scene.given, scene.options))
+        with tempfile.NamedTemporaryFile("w", suffix=".toml") as file:
+            file.write("[phantom]\nname = \"sphere\"\n")
+            file.flush()
+            self.assertEqual(copy.copy(wobblebench.Scene(file.name)).given, {"phantom.name"})
+
+    def test_a_module_of_another_python_says_so(self):
+        with tempfile.TemporaryDirectory() as folder:
+            package = pathlib.Path(folder) / "wobblebench"
+            package.mkdir()
+            shutil.copy(wobblebench.__file__, package)
+            (package / "_wobblebench.cpython-37m.so").touch()
+            done = subprocess.run([sys.executable, "-c", "import wobblebench"], capture_output=True, text=True,
+                                  env={**os.environ, "PYTHONPATH": folder})
+        self.assertIn("ImportError: wobblebench: _wobblebench.cpython-37m.so is here, which "
+                      + sys.implementation.cache_tag + " does not load", done.stderr)
 
     def test_nothing_is_printed(self):
         code = ("import wobblebench; s = wobblebench.Scene(settings={'phantom.name': 'sphere'}); v = wobblebench.simulate(s);"
