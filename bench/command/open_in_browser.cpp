@@ -1,14 +1,12 @@
 #include "bench/command/open_in_browser.h"
 
-#include <fcntl.h>
-#include <spawn.h>
 #include <sys/wait.h>
-#include <unistd.h>
 
-#include <array>
 #include <chrono>
 #include <cstring>
 #include <thread>
+
+#include "base/start_program.h"
 
 namespace wobblebench::bench {
 
@@ -16,15 +14,20 @@ namespace {
 
 constexpr std::chrono::milliseconds kPatience{1000}, kAskEvery{10};
 
+std::string failure_of(int status) {
+  if (WIFSIGNALED(status)) return std::string("ended by ") + ::strsignal(WTERMSIG(status));
+  return WEXITSTATUS(status) == 0 ? "" : "failed: exit code " + std::to_string(WEXITSTATUS(status));
+}
+
 /// Why a program ended soon after its start; empty: it did its work, or is still at it.
 std::string early_failure(pid_t child) {
   int status = 0;
   for (auto waited = kPatience * 0; waited < kPatience; waited += kAskEvery) {
-    if (::waitpid(child, &status, WNOHANG) != 0) break;
+    if (::waitpid(child, &status, WNOHANG) != 0) return failure_of(status);
     std::this_thread::sleep_for(kAskEvery);
   }
-  if (WIFSIGNALED(status)) return std::string("ended by ") + ::strsignal(WTERMSIG(status));
-  return WEXITSTATUS(status) == 0 ? "" : "failed: exit code " + std::to_string(WEXITSTATUS(status));
+  std::thread([child] { ::waitpid(child, nullptr, 0); }).detach();  // no zombie stays
+  return "";
 }
 
 }  // namespace
@@ -34,21 +37,13 @@ std::string open_in_browser(const std::filesystem::path& page) {
 }
 
 std::string open_address(const std::string& address) {
-  std::string program = "xdg-open", place = address;
-  const std::array<char*, 3> words = {program.data(), place.data(), nullptr};
-  posix_spawn_file_actions_t actions;
-  ::posix_spawn_file_actions_init(&actions);
-  // A browser's messages are not ours, and it may outlive a pipe that reads our output.
-  for (const int descriptor : {STDOUT_FILENO, STDERR_FILENO}) {
-    ::posix_spawn_file_actions_addopen(&actions, descriptor, "/dev/null", O_WRONLY, 0);
-  }
+  // A browser's messages are not ours; it may outlive this program, and a pipe that reads our
+  // output.
   pid_t child = 0;
-  const int error =
-      ::posix_spawnp(&child, program.c_str(), &actions, nullptr, words.data(), environ);
-  ::posix_spawn_file_actions_destroy(&actions);
+  const int error = start_program(child, {"xdg-open", address}, {-1, -1, -1}, Session::own);
   const std::string failure =
       error != 0 ? std::string("cannot be started: ") + std::strerror(error) : early_failure(child);
-  return failure.empty() ? "" : "--open: xdg-open " + failure + "; the page is " + place;
+  return failure.empty() ? "" : "--open: xdg-open " + failure + "; the page is " + address;
 }
 
 }  // namespace wobblebench::bench

@@ -34,7 +34,10 @@ void limit_resources(const std::filesystem::path& path) {
   const auto bytes = std::filesystem::file_size(path, ignored);
   ::prctl(PR_SET_DUMPABLE, 0);
   limit(RLIMIT_CORE, 0);
-  limit(RLIMIT_CPU, most_import_seconds(ignored ? 0 : bytes));
+  const unsigned long seconds = most_import_seconds(ignored ? 0 : bytes);
+  limit(RLIMIT_CPU, seconds);
+  // What it reads may wait for ever: a FIFO that the file names, or a disk of the network.
+  ::alarm(static_cast<unsigned>(kWallPerProcessorTime * seconds));
   limit(RLIMIT_FSIZE, static_cast<rlim_t>(kMostImportBytes));
 #if !defined(__SANITIZE_ADDRESS__) && !defined(WOBBLEBENCH_SANITIZED)
   limit(RLIMIT_AS, static_cast<rlim_t>(kMostImportBytes));  // a sanitizer's shadow takes terabytes

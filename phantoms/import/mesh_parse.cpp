@@ -1,3 +1,4 @@
+#include <assimp/DefaultIOSystem.h>
 #include <assimp/scene.h>
 #include <assimp/Importer.hpp>
 
@@ -255,9 +256,20 @@ void add(const aiMesh& part, TriangleMesh& mesh) {
   }
 }
 
+// Opens what a mesh names, its material library say: a FIFO would be waited for.
+class RegularFiles : public Assimp::DefaultIOSystem {
+ public:
+  Assimp::IOStream* Open(const char* file, const char* mode) override {
+    std::error_code error;
+    const bool is_file = std::filesystem::is_regular_file(file, error);
+    return is_file ? DefaultIOSystem::Open(file, mode) : nullptr;
+  }
+};
+
 // Reads by Assimp. Its polygons are kept as they are: Assimp 5.2 cuts concave ones with folds.
 TriangleMesh read_by_assimp(const std::filesystem::path& path) {
   Assimp::Importer importer;
+  importer.SetIOHandler(new RegularFiles);  // owned by it
   const aiScene* scene = importer.ReadFile(path.string(), 0);
   if (scene == nullptr) {
     throw std::invalid_argument("not a readable mesh (" + reason_of(importer) + ")");

@@ -1,13 +1,10 @@
 #include "phantoms/io/import_process.h"
 
-#include <fcntl.h>
-#include <spawn.h>
 #include <sys/mman.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include <array>
 #include <cerrno>
 #include <csignal>
 #include <cstring>
@@ -15,6 +12,7 @@
 #include <system_error>
 
 #include "base/file.h"
+#include "base/start_program.h"
 #include "phantoms/io/message.h"
 
 namespace wobblebench::phantoms {
@@ -39,28 +37,6 @@ fs::path import_program() {
                           ", which reads .vdb files, meshes and HDF5, is not in " + searched);
 }
 
-/// What the new process finds open: its message's file, and nothing of ours.
-class Descriptors {
- public:
-  explicit Descriptors(int message) {
-    ::posix_spawn_file_actions_init(&actions_);
-    ::posix_spawn_file_actions_adddup2(&actions_, message, kImportDescriptor);
-    ::posix_spawn_file_actions_addopen(&actions_, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
-    // Parsers and the allocator print before they abort; the one line is ours.
-    for (const int output : {STDOUT_FILENO, STDERR_FILENO}) {
-      ::posix_spawn_file_actions_addopen(&actions_, output, "/dev/null", O_WRONLY, 0);
-    }
-    ::posix_spawn_file_actions_addclosefrom_np(&actions_, kImportDescriptor + 1);
-  }
-  ~Descriptors() { ::posix_spawn_file_actions_destroy(&actions_); }
-  Descriptors(const Descriptors&) = delete;
-  Descriptors& operator=(const Descriptors&) = delete;
-  const posix_spawn_file_actions_t* get() const { return &actions_; }
-
- private:
-  posix_spawn_file_actions_t actions_{};
-};
-
 const char* name_of(ImportFormat format) {
   switch (format) {
     case ImportFormat::vdb:
@@ -78,13 +54,13 @@ const char* name_of(ImportFormat format) {
 /// Starts the program and returns its status as waitpid() gives it.
 int run_import(ImportFormat format, const fs::path& path, int message) {
   const fs::path program = import_program();
-  std::string kind = name_of(format), file = path.string(), parent = std::to_string(::getpid());
-  const std::array<char*, 5> arguments = {
-      const_cast<char*>(program.c_str()), kind.data(), file.data(), parent.data(), nullptr};
-  const Descriptors descriptors(message);
+  // Parsers and the allocator print before they abort; the one line is ours.
   pid_t child = 0;
   const int failed =
-      ::posix_spawn(&child, program.c_str(), descriptors.get(), nullptr, arguments.data(), environ);
+      start_program(child,
+                    {program.string(), name_of(format), path.string(), std::to_string(::getpid())},
+                    {-1, -1, -1, message},
+                    Session::shared);
   if (failed != 0) {
     throw ImportUnavailable(program.string() + ": cannot be started: " + std::strerror(failed));
   }
@@ -96,7 +72,7 @@ int run_import(ImportFormat format, const fs::path& path, int message) {
   return status;
 }
 
-/// Why there is no message.
+/// Why there is no message. Throws ImportUnavailable where that says nothing of the file.
 std::string ending(int status, const fs::path& path) {
   if (!WIFSIGNALED(status)) return "is damaged: reading it failed";
   const int signal = WTERMSIG(status);
@@ -105,7 +81,12 @@ std::string ending(int status, const fs::path& path) {
     return "is damaged: reading it took more than " +
            std::to_string(most_import_seconds(fs::file_size(path, ignored))) + " s";
   }
-  if (signal == SIGKILL) return "cannot be read: its reader was killed, as for want of memory";
+  // Of the machine, and not of the file: nobody may take it down as a bad one.
+  const char* const stopped = signal == SIGKILL   ? "its reader was killed, as for want of memory"
+                              : signal == SIGALRM ? "reading it took too long"
+                                                  : nullptr;
+  if (stopped != nullptr)
+    throw ImportUnavailable(path.string() + ": could not be tried: " + stopped);
   return std::string("is damaged: reading it ended in signal ") + std::to_string(signal) + " (" +
          ::strsignal(signal) + ")";
 }

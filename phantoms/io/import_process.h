@@ -8,7 +8,8 @@
 
 namespace wobblebench::phantoms {
 
-/// The program wobblebench-import is missing, or cannot be started: nothing is wrong with the file.
+/// The program wobblebench-import is missing, cannot be started, or was stopped by the system or
+/// the clock: nothing is said of the file.
 class ImportUnavailable : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;

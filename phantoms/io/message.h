@@ -37,6 +37,9 @@ constexpr unsigned long most_import_seconds(unsigned long file_bytes) {
   return 20 + file_bytes / 1'000'000;
 }
 
+/// Most time on the wall: beside others, of a reader that is at work.
+inline constexpr unsigned long kWallPerProcessorTime = 4;
+
 /// The descriptor that wobblebench-import writes its message to.
 inline constexpr int kImportDescriptor = 3;
 

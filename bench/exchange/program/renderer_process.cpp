@@ -2,7 +2,6 @@
 
 #include <fcntl.h>
 #include <poll.h>
-#include <spawn.h>
 #include <sys/socket.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -19,6 +18,7 @@
 #include <utility>
 
 #include "base/number_text.h"
+#include "base/start_program.h"
 #include "base/user_error.h"
 
 namespace wobblebench::bench {
@@ -50,30 +50,6 @@ std::array<FileDescriptor, 2> socket_pair() {
   }
   return {FileDescriptor(ends[0]), FileDescriptor(ends[1])};
 }
-
-/// The program's attributes and files, freed with the scope.
-struct SpawnSettings {
-  posix_spawn_file_actions_t files;
-  posix_spawnattr_t attributes;
-
-  SpawnSettings(int input, int output) {
-    posix_spawn_file_actions_init(&files);
-    posix_spawn_file_actions_adddup2(&files, input, STDIN_FILENO);
-    posix_spawn_file_actions_adddup2(&files, output, STDOUT_FILENO);
-    posix_spawnattr_init(&attributes);
-    sigset_t none;
-    sigemptyset(&none);
-    posix_spawnattr_setsigmask(&attributes, &none);
-    posix_spawnattr_setpgroup(&attributes, 0);
-    posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETPGROUP | POSIX_SPAWN_SETSIGMASK);
-  }
-  ~SpawnSettings() {
-    posix_spawn_file_actions_destroy(&files);
-    posix_spawnattr_destroy(&attributes);
-  }
-  SpawnSettings(const SpawnSettings&) = delete;
-  SpawnSettings& operator=(const SpawnSettings&) = delete;
-};
 
 /// Runs the command and, when that and its stdin have ended, removes the folder: stdin ends with
 /// this process, however that ends. stdout is closed first, so that the end of the command is seen.
@@ -131,13 +107,11 @@ void RendererProcess::start(const std::string& command) {
   if (::pipe2(ends, O_CLOEXEC) != 0) fail(std::string("no pipe: ") + std::strerror(errno));
   output_ = FileDescriptor(ends[0]);
   const FileDescriptor its_output(ends[1]);
-  const SpawnSettings settings(its_input.get(), its_output.get());
-  std::string script = kScript, program = command, folder = folder_.string();
-  char shell[] = "sh", option[] = "-c";
-  char* const words[] = {
-      shell, option, script.data(), shell, program.data(), folder.data(), nullptr};
-  const int error =
-      ::posix_spawn(&process_, "/bin/sh", &settings.files, &settings.attributes, words, environ);
+  // The shell takes the word behind its script for its name.
+  const int error = start_program(process_,
+                                  {"/bin/sh", "-c", kScript, "sh", command, folder_.string()},
+                                  {its_input.get(), its_output.get(), STDERR_FILENO},
+                                  Session::own);
   if (error != 0) fail(std::string("cannot be started: ") + std::strerror(error));
   input_ = std::move(mine);
 }
@@ -192,7 +166,7 @@ bool RendererProcess::read_more(Clock::time_point until) {
   const auto left =
       std::chrono::duration_cast<std::chrono::milliseconds>(until - Clock::now()).count();
   pollfd waiting{output_.get(), POLLIN, 0};
-  const int ready = ::poll(&waiting, 1, static_cast<int>(std::clamp<long>(left, 0, 1'000'000)));
+  const int ready = ::poll(&waiting, 1, static_cast<int>(std::clamp<long>(left, 0, INT_MAX)));
   if (ready < 0 && errno == EINTR) return true;
   if (ready <= 0) {
     ::kill(-process_, SIGKILL);

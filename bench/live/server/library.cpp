@@ -1,5 +1,7 @@
 // The library that live_server.cpp loads: Boost.Beast on one thread. All that viewers share is
 // touched on that thread alone, but for the newest messages, which publish() leaves under a lock.
+#include <fcntl.h>
+
 #include <algorithm>
 #include <atomic>
 #include <boost/asio/ip/tcp.hpp>
@@ -30,6 +32,11 @@ namespace websocket = beast::websocket;
 using Tcp = asio::ip::tcp;
 using Error = beast::error_code;
 using Request = http::request<http::empty_body>;
+
+template <class Socket>
+void close_on_exec(Socket& socket) {
+  ::fcntl(socket.native_handle(), F_SETFD, FD_CLOEXEC);
+}
 
 constexpr std::chrono::seconds kRequestTimeout{10};
 /// A viewer that answers no ping for so long is gone.
@@ -331,6 +338,7 @@ class BeastServer : public LiveServer {
     }
     const Tcp::endpoint endpoint(address, static_cast<unsigned short>(shared_.options.port));
     acceptor_.open(endpoint.protocol(), error);
+    close_on_exec(acceptor_);
     if (!error) acceptor_.set_option(asio::socket_base::reuse_address(true), error);
     if (!error) acceptor_.bind(endpoint, error);
     if (!error) acceptor_.listen(asio::socket_base::max_listen_connections, error);
@@ -343,6 +351,7 @@ class BeastServer : public LiveServer {
   void accept() {
     acceptor_.async_accept([this](Error error, Tcp::socket socket) {
       if (error) return accept_later();
+      close_on_exec(socket);
       socket.set_option(Tcp::no_delay(true), error);
       if (shared_.connections < kMostConnections) {
         std::make_shared<Connection>(shared_, viewers_, std::move(socket))->read();

@@ -40,6 +40,7 @@ std::string text_in(int file) {
   ::dup2(nothing, STDIN_FILENO);
   ::dup2(output < 0 ? nothing : output, STDOUT_FILENO);
   ::dup2(error, STDERR_FILENO);
+  ::close_range(STDERR_FILENO + 1, ~0U, 0);  // also of libraries, which an exec() would keep
   ::execv(program, arguments);
   ::_exit(kNotStarted);
 }

@@ -1,6 +1,7 @@
 #include "bench/studies/rungs/rung_comparison.h"
 
 #include <fcntl.h>
+#include <sys/prctl.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -44,6 +45,7 @@ Pipe open_pipe() {
 }
 
 [[noreturn]] void run_and_exit(const std::function<void()>& body, int message_to) {
+  ::prctl(PR_SET_PDEATHSIG, SIGKILL);
   // A signal ends the fork without clean-up, which is the parent's task.
   std::signal(SIGINT, SIG_DFL);
   std::signal(SIGTERM, SIG_DFL);

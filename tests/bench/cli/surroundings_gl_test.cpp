@@ -56,6 +56,21 @@ TEST_F(Surroundings, ThePageIsOpenedAndDoesNotFailWhereNothingOpensIt) {
               "warning: --open: xdg-open failed: exit code 3; the page is ");
 }
 
+/// By the system, for want of memory, or the clock: the file may be good.
+TEST_F(Surroundings, AReaderThatIsStoppedSaysNothingOfTheFile) {
+  fs::copy_file(WOBBLEBENCH_PROGRAM, at("wobblebench"));
+  folder_.write("ball.obj", "v 0 0 0\n");
+  for (const std::string signal : {"KILL", "ALRM"}) {
+    folder_.write("wobblebench-import", "#!/bin/sh\nkill -" + signal + " $$\n");
+    fs::permissions(at("wobblebench-import"), fs::perms::owner_all);
+    const auto result = run_process(
+        at("wobblebench"),
+        words_of("phantom --out out --set phantom.name=mesh --set phantom.file=ball.obj"),
+        folder_.path());
+    expect_line(result, 1, "ball.obj: could not be tried: ");
+  }
+}
+
 /// The cache of shaders, which is Mesa's, and that of phantoms.
 TEST_F(Surroundings, ARelativeCacheFolderIsIgnored) {
   const auto result =

@@ -1,6 +1,7 @@
 // Import of triangle meshes: the bodies that they enclose, and the refusals.
 #include <gtest/gtest.h>
 #include <openvdb/tools/LevelSetMeasure.h>
+#include <sys/stat.h>
 #include <tbb/global_control.h>
 
 #include <cmath>
@@ -130,6 +131,13 @@ TEST_F(MeshImport, IsCentredBelowTheProbe) {
   const Box& box = phantom.region_of_interest();
   EXPECT_NEAR(box.low.z, -25 * kMillimetre, 0.01 * kMillimetre) << "it starts in the fluid";
   EXPECT_NEAR(box.high.x, 20 * kMillimetre, 0.01 * kMillimetre);
+}
+
+TEST_F(MeshImport, AMaterialLibraryThatIsAFifoIsNotWaitedFor) {
+  write_obj(cube_mesh(30), file("cube.obj"));
+  std::ofstream(file("fifo.obj")) << "mtllib fifo.mtl\n" << std::ifstream(file("cube.obj")).rdbuf();
+  ASSERT_EQ(::mkfifo(file("fifo.mtl").c_str(), 0600), 0);
+  EXPECT_NEAR(volume_of(import("fifo.obj")), 27e-6, edge_loss(30));
 }
 
 TEST_F(MeshImport, TakesUnitAndMaterials) {
