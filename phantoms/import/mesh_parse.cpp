@@ -259,10 +259,12 @@ void add(const aiMesh& part, TriangleMesh& mesh) {
 // Opens what a mesh names, its material library say: a FIFO would be waited for.
 class RegularFiles : public Assimp::DefaultIOSystem {
  public:
-  Assimp::IOStream* Open(const char* file, const char* mode) override {
+  bool Exists(const char* file) const override {  // Assimp's own opens it
     std::error_code error;
-    const bool is_file = std::filesystem::is_regular_file(file, error);
-    return is_file ? DefaultIOSystem::Open(file, mode) : nullptr;
+    return std::filesystem::is_regular_file(file, error);
+  }
+  Assimp::IOStream* Open(const char* file, const char* mode) override {
+    return Exists(file) ? DefaultIOSystem::Open(file, mode) : nullptr;
   }
 };
 
