@@ -9,6 +9,7 @@
 #include <cstdio>
 #include <initializer_list>
 #include <map>
+#include <mutex>
 #include <optional>
 #include <stdexcept>
 #include <string_view>
@@ -83,6 +84,7 @@ bool is_imported(const phantoms::PhantomOptions& options) {
 }
 
 struct Maps {
+  std::mutex mutex;  ///< of what follows
   std::optional<phantoms::Phantom> of;
   std::map<double, std::shared_ptr<const sim::TissueMap>> by_reach_m;
 };
@@ -185,7 +187,11 @@ sim::TissueMapSource kept_maps(sim::TissueMapSource maps) {
   return [kept, maps = std::move(maps)](
              const phantoms::Phantom& phantom, double reach_m, int threads) {
     // Copies of a phantom share its grids.
-    if (!kept->of || &kept->of->grids() != &phantom.grids()) *kept = {phantom, {}};
+    const std::lock_guard lock(kept->mutex);
+    if (!kept->of || &kept->of->grids() != &phantom.grids()) {
+      kept->of = phantom;
+      kept->by_reach_m.clear();
+    }
     auto& map = kept->by_reach_m[reach_m];
     if (!map) {
       map = maps ? maps(phantom, reach_m, threads)

@@ -57,7 +57,8 @@ std::string phantom_key(const phantoms::PhantomOptions& options);
 std::string tissue_map_key(const std::string& phantom, double reach_m);
 
 /// Takes the map of a phantom and a reach from `maps`, or makes it, once, and keeps it as long as
-/// the result and its copies live. Those are for one thread. Another phantom's map replaces all.
+/// the result and its copies live, which any threads use: one makes a map, the others wait. Another
+/// phantom's map replaces all.
 sim::TissueMapSource kept_maps(sim::TissueMapSource maps);
 
 }  // namespace wobblebench::bench

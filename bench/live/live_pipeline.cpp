@@ -102,12 +102,13 @@ bool LivePipeline::try_to_connect() {
   const auto before = panel_.state();
   panel_.set_stage("preparing");
   stop_analysis();  // it uses the maps of the last phantom
+  const WantedScene wanted = panel_.wanted();
   try {
-    connect(panel_.wanted());
+    connect(wanted);
   } catch (const render::ContextLost&) {
     throw;
   } catch (const std::exception&) {
-    panel_.revert(before, refusal_of(std::current_exception()).line);
+    panel_.revert(before, wanted.settings, refusal_of(std::current_exception()).line);
     cache_.phantom(before->given.phantom);
     start_analysis();
     return false;
@@ -139,6 +140,11 @@ std::uint32_t LivePipeline::next_volume() const {
 
 void LivePipeline::run(LiveServer& server) {
   server_ = &server;
+  // However this ends: the server, which they publish to, may be gone soon after.
+  const std::shared_ptr<void> at_end(nullptr, [this](void*) {
+    stop_analysis();
+    stop(encoder_);
+  });
   encoder_ = std::make_unique<Worker>([this](const SharedPicture& picture) { encode(*picture); });
   start_analysis();
   while (!stop_requested()) {
@@ -156,8 +162,6 @@ void LivePipeline::run(LiveServer& server) {
       panel_.wait(orders, panel_.state()->serial, kPausedWait);
     }
   }
-  stop_analysis();
-  stop(encoder_);
 }
 
 void LivePipeline::play(const LiveOrders& orders) {
@@ -175,6 +179,7 @@ void LivePipeline::play(const LiveOrders& orders) {
     throw;
   } catch (const std::exception&) {
     panel_.end_stage(orders, "ended", refusal_of(std::current_exception()).line);
+    if (!analysis_) start_analysis();  // reconnecting failed: the last volume is still shown
   }
 }
 

@@ -103,7 +103,7 @@ void LiveRenderer::take(const std::shared_ptr<const LiveState>& state) {
   } catch (const render::ContextLost&) {
     throw;
   } catch (const std::exception&) {
-    panel_.revert(state_, refusal_of(std::current_exception()).line);
+    panel_.revert(state_, state->settings, refusal_of(std::current_exception()).line);
     state_ = panel_.state();
   }
 }

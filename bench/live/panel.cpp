@@ -16,6 +16,17 @@ std::string_view key_of(std::string_view setting) {
   return setting.substr(0, setting.find('='));
 }
 
+bool has_key(const std::vector<std::string>& settings, std::string_view key) {
+  return std::ranges::any_of(settings, [&](const auto& other) { return key_of(other) == key; });
+}
+
+void put_over(std::vector<std::string>& page, const std::vector<std::string>& settings) {
+  for (const std::string& setting : settings) {
+    std::erase_if(page, [&](const auto& other) { return key_of(other) == key_of(setting); });
+    page.push_back(setting);
+  }
+}
+
 /// All that a stream is made by, beside the renderer's settings.
 nlohmann::ordered_json stream_part(const Scene& scene) {
   nlohmann::ordered_json all = resolved(scene);
@@ -36,19 +47,28 @@ ResolvedScene with_stream_of(Scene scene, const ResolvedScene& stream) {
   return resolve_scene(std::move(scene), phantom);
 }
 
+/// As `live` takes it.
+SceneSource live_scene_source(const SceneArguments& arguments) {
+  return [load = scene_source(arguments.file, arguments.settings)](
+             const std::vector<std::string>& settings) {
+    Scene scene = load(settings);
+    refuse_program(scene, "live");
+    if (!scene.given.contains("acquisition.volumes")) scene.acquisition.volumes = hw::kMostVolumes;
+    return scene;
+  };
+}
+
 }  // namespace
 
 Scene load_live_scene(const std::filesystem::path& file, const std::vector<std::string>& settings) {
-  Scene scene = load_scene(file, settings);
-  refuse_program(scene, "live");
-  if (!scene.given.contains("acquisition.volumes")) scene.acquisition.volumes = hw::kMostVolumes;
-  return scene;
+  return live_scene_source({file, settings})(settings);
 }
 
 LivePanel::LivePanel(SceneArguments arguments, bool with_scan, std::string faults)
     : arguments_(std::move(arguments)),
       with_scan_(with_scan),
-      given_(load_live_scene(arguments_.file, arguments_.settings)) {
+      load_(live_scene_source(arguments_)),
+      given_(load_(arguments_.settings)) {
   orders_.faults = std::move(faults);
 }
 
@@ -59,40 +79,47 @@ std::vector<std::string> LivePanel::all_settings(const std::vector<std::string>&
 }
 
 std::uint64_t LivePanel::set(const std::vector<std::string>& settings) {
-  const std::lock_guard lock(mutex_);
-  std::vector<std::string> page = page_settings_;
-  for (const std::string& setting : settings) {
-    check_control(setting, with_scan_);
-    std::erase_if(page, [&](const auto& other) { return key_of(other) == key_of(setting); });
-    page.push_back(setting);
-  }
-  return take(std::move(page));
+  for (const std::string& setting : settings) check_control(setting, with_scan_);
+  return take([&](Settings& page) { put_over(page, settings); });
 }
 
 std::uint64_t LivePanel::reset(const std::vector<std::string>& keys) {
-  const std::lock_guard lock(mutex_);
-  std::vector<std::string> page = page_settings_;
-  std::erase_if(page, [&](const auto& setting) {
-    return keys.empty() || std::ranges::find(keys, key_of(setting)) != keys.end();
+  return take([&](Settings& page) {
+    std::erase_if(page, [&](const auto& setting) {
+      return keys.empty() || std::ranges::find(keys, key_of(setting)) != keys.end();
+    });
   });
-  return take(std::move(page));
 }
 
-/// With the lock. Nothing changes where this throws.
-std::uint64_t LivePanel::take(std::vector<std::string> page) {
-  Scene given = load_live_scene(arguments_.file, all_settings(page));
-  const bool wants_scan = !state_ || stream_part(given) != stream_part(state_->given);
-  if (!wants_scan) {
-    state_ = std::make_shared<const LiveState>(
-        LiveState{serial_ + 1, all_settings(page), given, with_stream_of(given, state_->scene)});
+/// Nothing changes where this throws. The scene is made without the lock that the stream takes, and
+/// once more where the pipeline has changed the state meanwhile.
+std::uint64_t LivePanel::take(const std::function<void(Settings& page)>& edit,
+                              const std::string& why) {
+  const std::lock_guard one_by_one(changing_);
+  std::unique_lock lock(mutex_);
+  for (;;) {
+    const auto before = state_;
+    Settings page = page_settings_;
+    lock.unlock();
+    edit(page);
+    Scene given = load_(all_settings(page));
+    const bool wants_scan = !before || stream_part(given) != stream_part(before->given);
+    std::optional<ResolvedScene> scene;
+    if (!wants_scan) scene = with_stream_of(given, before->scene);
+    lock.lock();
+    if (state_ != before) continue;
+    if (scene) {
+      state_ = std::make_shared<const LiveState>(
+          LiveState{serial_ + 1, all_settings(page), given, *std::move(scene)});
+    }
+    if (wants_scan || is_scan_wanted_) interrupt();
+    is_scan_wanted_ = wants_scan;
+    page_settings_ = std::move(page);
+    given_ = std::move(given);
+    why_ = why;
+    note_change();
+    return ++serial_;
   }
-  if (wants_scan || is_scan_wanted_) interrupt();
-  is_scan_wanted_ = wants_scan;
-  page_settings_ = std::move(page);
-  given_ = std::move(given);
-  why_.clear();
-  note_change();
-  return ++serial_;
 }
 
 void LivePanel::interrupt() {
@@ -182,16 +209,27 @@ void LivePanel::adopt(const WantedScene& wanted, const ResolvedScene& scene) {
   note_change();
 }
 
-void LivePanel::revert(const std::shared_ptr<const LiveState>& to, const std::string& why) {
-  const std::lock_guard lock(mutex_);
-  state_ =
-      std::make_shared<const LiveState>(LiveState{++serial_, to->settings, to->given, to->scene});
-  given_ = to->given;
+void LivePanel::revert(const std::shared_ptr<const LiveState>& to,
+                       const std::vector<std::string>& refused,
+                       const std::string& why) {
   const auto own = static_cast<std::ptrdiff_t>(arguments_.settings.size());
-  page_settings_ = {to->settings.begin() + own, to->settings.end()};
-  is_scan_wanted_ = false;
-  why_ = why;
-  note_change();
+  const Settings earlier(to->settings.begin() + own, to->settings.end());
+  const Settings tried(refused.begin() + own, refused.end());
+  const auto keep_later = [&](Settings& page) {
+    Settings later = std::exchange(page, earlier);
+    std::erase_if(page, [&](const auto& setting) {  // reset since
+      return has_key(tried, key_of(setting)) && !has_key(later, key_of(setting));
+    });
+    std::erase_if(later, [&](const auto& setting) {
+      return std::ranges::find(tried, setting) != tried.end();
+    });
+    put_over(page, later);
+  };
+  try {
+    take(keep_later, why);
+  } catch (const UserError&) {  // they hold with what was refused alone
+    take([&](Settings& page) { page = earlier; }, why);
+  }
 }
 
 void LivePanel::set_stage(const std::string& stage) {

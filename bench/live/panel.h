@@ -4,6 +4,7 @@
 #include <chrono>
 #include <condition_variable>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <mutex>
 #include <nlohmann/json_fwd.hpp>
@@ -75,8 +76,11 @@ class LivePanel {
   bool is_scan_wanted() const;
   /// A stream of it is there.
   void adopt(const WantedScene& wanted, const ResolvedScene& scene);
-  /// What is wanted cannot be: the scene is that of an earlier state again.
-  void revert(const std::shared_ptr<const LiveState>& to, const std::string& why);
+  /// What these settings want cannot be: those of an earlier state are back, but for what was set
+  /// since they were taken.
+  void revert(const std::shared_ptr<const LiveState>& to,
+              const std::vector<std::string>& refused,
+              const std::string& why);
   /// What is done: "preparing" a stream, "playing" it.
   void set_stage(const std::string& stage);
   /// Nothing is played: "paused", unless the stream has "ended".
@@ -95,14 +99,17 @@ class LivePanel {
   std::uint64_t wait_for_status(std::uint64_t version, std::chrono::milliseconds time) const;
 
  private:
-  std::uint64_t take(std::vector<std::string> page_settings);
+  using Settings = std::vector<std::string>;
+  std::uint64_t take(const std::function<void(Settings& page)>& edit, const std::string& why = "");
   std::vector<std::string> all_settings(const std::vector<std::string>& page) const;
   void interrupt();
   void note_change();
 
   const SceneArguments arguments_;
   const bool with_scan_;
-  mutable std::mutex mutex_;
+  const SceneSource load_;    ///< the file as it was at the start
+  std::mutex changing_;       ///< for one change of settings after the other
+  mutable std::mutex mutex_;  ///< of what follows; held shortly, as no scene is made meanwhile
   mutable std::condition_variable changed_;
   LiveOrders orders_;
   std::vector<std::string> page_settings_;

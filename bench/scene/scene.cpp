@@ -263,16 +263,20 @@ toml::table table_of(const nlohmann::ordered_json& resolved, const std::string& 
   }
 }
 
-/// The file's table with the settings.
-toml::table scene_table(const std::filesystem::path& path,
-                        const std::vector<std::string>& settings,
-                        const std::string& settings_of) {
-  // Settings first where they alone are wrong: what a shell made of a list may stand as the path.
-  toml::table alone;
-  for (const auto& setting : settings) apply_setting(alone, setting, settings_of);
-  toml::table table = path.empty() ? toml::table{} : parse_toml_file(path, "a scene");
+toml::table with_settings(toml::table table,
+                          const std::vector<std::string>& settings,
+                          const std::string& settings_of) {
   for (const auto& setting : settings) apply_setting(table, setting, settings_of);
   return table;
+}
+
+/// The file's table. Refuses settings first where they alone are wrong: what a shell made of a list
+/// may stand as the path.
+toml::table file_table(const std::filesystem::path& path,
+                       const std::vector<std::string>& settings,
+                       const std::string& settings_of) {
+  with_settings({}, settings, settings_of);
+  return path.empty() ? toml::table{} : parse_toml_file(path, "a scene");
 }
 
 /// Another program blends no volume.
@@ -335,26 +339,37 @@ nlohmann::ordered_json resolved(const Scene& scene) {
   return json;
 }
 
+SceneSource scene_source(const std::filesystem::path& path,
+                         const std::vector<std::string>& first,
+                         const std::string& settings_of,
+                         render::RenderPreset preset) {
+  return
+      [=, file = file_table(path, first, settings_of)](const std::vector<std::string>& settings) {
+        toml::table table = with_settings(file, settings, settings_of);
+        std::string source = path.empty() ? "defaults" : path.string();
+        if (!settings.empty())
+          source = path.empty() ? settings_of : source + " with " + settings_of;
+        Scene scene;
+        scene.picture.preset = preset;
+        read_sections(scene, table, source);
+        seek_surface_alone(scene);
+        correct_no_beam(scene);
+        validate(scene, source);
+        return scene;
+      };
+}
+
 Scene load_scene(const std::filesystem::path& path,
                  const std::vector<std::string>& settings,
                  const std::string& settings_of,
                  render::RenderPreset preset) {
-  toml::table table = scene_table(path, settings, settings_of);
-  std::string source = path.empty() ? "defaults" : path.string();
-  if (!settings.empty()) source = path.empty() ? settings_of : source + " with " + settings_of;
-  Scene scene;
-  scene.picture.preset = preset;
-  read_sections(scene, table, source);
-  seek_surface_alone(scene);
-  correct_no_beam(scene);
-  validate(scene, source);
-  return scene;
+  return scene_source(path, settings, settings_of, preset)(settings);
 }
 
 std::string scene_text(const std::filesystem::path& path,
                        const std::vector<std::string>& settings) {
   std::ostringstream text;
-  text << scene_table(path, settings, "--set") << "\n";
+  text << with_settings(file_table(path, settings, "--set"), settings, "--set") << "\n";
   return text.str();
 }
 

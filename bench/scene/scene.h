@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <nlohmann/json_fwd.hpp>
 #include <set>
 #include <string>
@@ -100,6 +101,14 @@ Scene load_scene(const std::filesystem::path& path,
                  const std::vector<std::string>& settings,
                  const std::string& settings_of = "--set",
                  render::RenderPreset preset = render::RenderPreset::accurate);
+
+/// load_scene() of a file as it was, with any settings.
+using SceneSource = std::function<Scene(const std::vector<std::string>& settings)>;
+/// Reads `path`. Throws UserError, first for settings of `first` that are none.
+SceneSource scene_source(const std::filesystem::path& path,
+                         const std::vector<std::string>& first,
+                         const std::string& settings_of = "--set",
+                         render::RenderPreset preset = render::RenderPreset::accurate);
 
 /// A scene as report.json of another command holds it, with every option: `resolved`, as
 /// resolved() makes it, then each of `settings`. `source`: the report, for refusals. Throws
