@@ -122,9 +122,11 @@ std::string line_of(const std::system_error& error) {
   return "the system refuses a thread, a lock or memory: " + reason + address_space_limit();
 }
 
-/// Drivers of OpenGL do not say that the address space is why they fail.
+/// Drivers of OpenGL, and libraries that start threads, do not say that the address space is why
+/// they fail.
 std::string limit_of_driver(std::string_view line) {
-  const bool is_of_driver = line.starts_with("no OpenGL") || line.ends_with("GL_OUT_OF_MEMORY");
+  const bool is_of_driver = line.starts_with("no OpenGL") || line.ends_with("GL_OUT_OF_MEMORY") ||
+                            line.starts_with("pthread_create has failed");
   return is_of_driver ? address_space_limit() : "";
 }
 
