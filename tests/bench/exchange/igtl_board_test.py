@@ -268,10 +268,12 @@ class Hostile(InFolder):
 
     def test_a_flood_does_not_delay_the_end(self):
         """The volumes that were asked for are there: it ends at once, and not when the server pauses."""
+        sound, flood = b"".join(volumes([0, 1])), igtl.message("STATUS", bytes(31)) * 5000
+
         def send(connection):
-            connection.sendall(b"".join(volumes([0, 1])))
+            connection.sendall(sound)
             while True:
-                connection.sendall(igtl.message("STATUS", bytes(31)) * 5000)
+                connection.sendall(flood)
         server = igtl.Server(send)
         self.addCleanup(server.close)
         begun = time.monotonic()
