@@ -43,6 +43,13 @@ inline bool is_utf8(std::string_view text) {
   return true;
 }
 
+/// With ASCII letters made small.
+inline std::string lower_case(std::string_view text) {
+  std::string lower(text);
+  for (char& c : lower) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+  return lower;
+}
+
 /// A field of a CSV row, in quotes where it needs them (RFC 4180).
 inline std::string csv_field(std::string_view text) {
   if (text.find_first_of(",\"\r\n") == std::string_view::npos) return std::string(text);

@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <chrono>
 #include <cstdint>
 #include <cstdio>
@@ -19,6 +18,7 @@
 #include <vector>
 
 #include "base/duration.h"
+#include "base/text.h"
 #include "base/user_error.h"
 #include "bench/board_checks/fault_simulation/scenario.h"
 #include "bench/cache/phantom_cache.h"
@@ -72,12 +72,11 @@ std::string new_token() {
 ServerOptions server_options(const Arguments& arguments) {
   ServerOptions options{.port = arguments.port, .token = {}};
   if (!arguments.listen.empty()) options.address = arguments.listen;
-  for (std::string name : arguments.names) {
+  for (const std::string& name : arguments.names) {
     if (name.empty() || name.find_first_of(":/?# ") != std::string::npos) {
       throw UserError("--name = " + name + ": must be a host's name alone, as bench.example.org");
     }
-    std::ranges::transform(name, name.begin(), [](unsigned char c) { return std::tolower(c); });
-    options.names.push_back(std::move(name));
+    options.names.push_back(lower_case(name));
   }
   if (!arguments.listen.empty() || !options.names.empty()) options.token = new_token();
   return options;

@@ -4,7 +4,7 @@
 #include <string_view>
 
 #include "base/file.h"
-#include "bench/exchange/files/voxel_file.h"
+#include "base/text.h"
 
 namespace wobblebench::bench {
 

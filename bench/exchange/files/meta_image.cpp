@@ -6,6 +6,7 @@
 
 #include "base/file.h"
 #include "base/number_text.h"
+#include "base/text.h"
 #include "base/user_error.h"
 #include "bench/exchange/files/stored_voxels.h"
 

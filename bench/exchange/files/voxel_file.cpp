@@ -15,6 +15,7 @@
 #include <system_error>
 
 #include "base/file.h"
+#include "base/text.h"
 #include "base/user_error.h"
 #include "bench/exchange/files/numpy_parts.h"
 
@@ -76,12 +77,6 @@ std::optional<Element> element_of(const ElementNames& names, std::string_view na
     if (lower_case(known).find(wanted) != std::string::npos) return element;
   }
   return {};
-}
-
-std::string lower_case(std::string_view text) {
-  std::string lower(text);
-  for (char& c : lower) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
-  return lower;
 }
 
 const HeaderFields::value_type* field_of(const HeaderFields& fields,

@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "base/file.h"
+#include "base/text.h"
 
 namespace wobblebench::bench {
 
@@ -28,7 +29,6 @@ using ElementNames = std::vector<std::pair<Element, std::string_view>>;
 /// In upper or lower case; none: no such name.
 std::optional<Element> element_of(const ElementNames& names, std::string_view name);
 
-std::string lower_case(std::string_view text);  ///< of ASCII
 
 /// Fields of a header, which are found in upper and in lower case.
 struct AnyCase {

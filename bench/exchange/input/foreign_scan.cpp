@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "base/number_text.h"
+#include "base/text.h"
 #include "base/user_error.h"
 #include "bench/exchange/files/meta_image.h"
 #include "bench/exchange/input/coordinates.h"

@@ -2,23 +2,18 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <ranges>
+
+#include "base/text.h"
 
 namespace wobblebench::bench {
 
 namespace {
 
-std::string in_lower_case(std::string_view text) {
-  std::string lower(text);
-  std::ranges::transform(lower, lower.begin(), [](unsigned char c) { return std::tolower(c); });
-  return lower;
-}
-
 /// A host in lower case, without its port. IPv6 addresses stand in brackets in front of one.
 std::string name_of(std::string_view host) {
   const auto port = host.find(':', host.starts_with('[') ? host.find(']') : 0);
-  return in_lower_case(host.substr(0, port));
+  return lower_case(host.substr(0, port));
 }
 
 bool contains(std::ranges::range auto&& names, const std::string& name) {
@@ -36,7 +31,7 @@ bool is_own_page(std::string_view origin, std::string_view host, const ServedAs&
   for (const std::string_view scheme : {"http://", "https://"}) {
     if (!origin.starts_with(scheme)) continue;
     origin.remove_prefix(scheme.size());
-    if (in_lower_case(origin) == in_lower_case(host)) return true;
+    if (lower_case(origin) == lower_case(host)) return true;
     // What a proxy makes of Host may lack the port, or name the server behind it.
     const std::string name = name_of(origin);
     return !server.token.empty() && (name == name_of(host) || contains(server.names, name));
