@@ -37,13 +37,14 @@ IgtlReceiver::IgtlReceiver(FileDescriptor socket,
       left_out_(std::move(left_out)) {}
 
 void IgtlReceiver::wait() const {
-  using namespace std::chrono;
-  const auto left = ceil<milliseconds>(deadline_ - steady_clock::now()).count();
+  const auto left =
+      std::chrono::ceil<std::chrono::milliseconds>(deadline_ - std::chrono::steady_clock::now());
   pollfd watched[] = {{socket_.get(), POLLIN, 0}, {wake_, POLLIN, 0}};
-  const int ready = ::poll(watched, 2, static_cast<int>(std::max<std::int64_t>(left, 0)));
+  const auto most = std::max<std::int64_t>(left.count(), 0);
+  const int ready = ::poll(watched, 2, static_cast<int>(most));
   if (watched[1].revents != 0) throw ReceivingEnded(true, "closed");
-  if (ready == 0 || left <= 0) {
-    const double seconds = duration<double>(patience_).count();
+  if (ready == 0 || left.count() <= 0) {
+    const double seconds = std::chrono::duration<double>(patience_).count();
     throw ReceivingEnded(false, "no image came for " + significant(seconds, 3) + " s");
   }
 }
