@@ -12,7 +12,6 @@ DEPTH_MM, SAMPLES = 170, 4096
 AMPLITUDE = 0.1
 LINES_OF_HALF_SECTOR = 400  # so that sticks lie at the table's angles
 BEYOND_DEG, FRAMES, FRAME_STEP_DEG = 4, 301, 0.1
-BARS = {True: 0.05, False: 0.1}  # relative, of a width: on the middle stick, and of all others
 
 
 def middle_of_probe(preset, theta, depth_mm, amplitude):
@@ -49,13 +48,18 @@ class Points(scan.Worst):
             part = "axis" if at == 0 else "edge"
             where = f"at {depth:g} mm, {fraction:g} of the half sector"
             for direction, width in widths.items():
-                bar = BARS[at == 0 and not around]
+                bar = 0.1 if at or around else self.axis_bar(direction, rung)
                 self.hold(f"{name}.{direction}.{part}", width / row[f"{direction}_mm"] - 1, bar, where)
             level = decibel(peak(stick) / amplitude)
             self.hold(f"{name}.level.{part}", level - row["level_db"], level_bar_db, where)
             self.hold(f"{name}.range_mm", ranges[window][numpy.argmax(stick)] - depth, 0.2, where)
             if at == 0:
                 self.hold(f"{name}.line", (numpy.argmax(across) - beyond) * step, 0.1, where)
+
+    @staticmethod
+    def axis_bar(direction, rung):
+        """The beam's table has cells, across frames as steps in a point's profile: where frames fall on them is 3 % of its width."""
+        return 0.08 if direction == "elevation" and rung is not scan.REFERENCE else 0.05
 
     def scan_preset(self, name, preset, rung, fractions=None):
         rows = [row for row in scan.over_middle("point_widths", preset) if 30 <= row["depth_mm"] <= 160]
