@@ -15,9 +15,9 @@ std::vector<Command> add_commands(CLI::App& app) {
       add_record_command(app),      add_inspect_command(app),  add_export_command(app),
       add_conformance_command(app), add_rehearse_command(app), add_board_command(app),
       add_stand_in_command(app),    add_phantom_command(app),  add_tables_command(app),
-      add_validate_command(app),    add_rungs_command(app),    add_trade_command(app),
-      add_tune_command(app),        add_accuracy_command(app), add_fit_command(app),
-      add_extremes_command(app),    add_dataset_command(app)};
+      add_rungs_command(app),       add_trade_command(app),    add_tune_command(app),
+      add_accuracy_command(app),    add_fit_command(app),      add_extremes_command(app),
+      add_dataset_command(app)};
   for (Command& command : commands) {
     command.run = [run = std::move(command.run)] { return with_late_refusals(run); };
   }

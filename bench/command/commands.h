@@ -28,7 +28,6 @@ Command add_board_command(CLI::App& app);
 Command add_stand_in_command(CLI::App& app);
 Command add_phantom_command(CLI::App& app);
 Command add_tables_command(CLI::App& app);
-Command add_validate_command(CLI::App& app);
 Command add_rungs_command(CLI::App& app);
 Command add_trade_command(CLI::App& app);
 Command add_tune_command(CLI::App& app);

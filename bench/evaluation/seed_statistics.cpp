@@ -3,6 +3,7 @@
 #include <boost/math/distributions/students_t.hpp>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <stdexcept>
 #include <string>
 
@@ -17,6 +18,12 @@ constexpr double kUpper = 0.975;
 constexpr double kOneSided = 0.95;
 
 }  // namespace
+
+std::vector<std::uint64_t> seeds_from(std::uint64_t first, int count) {
+  std::vector<std::uint64_t> seeds(static_cast<std::size_t>(count));
+  std::iota(seeds.begin(), seeds.end(), first);
+  return seeds;
+}
 
 Cell interval_cell(const MeanInterval& interval) {
   return interval.n > 0 ? Cell::interval(interval.mean, interval.half) : Cell();

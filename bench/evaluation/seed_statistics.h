@@ -1,11 +1,15 @@
 // Means over seeds, with what is known of them.
 #pragma once
 
+#include <cstdint>
 #include <vector>
 
 #include "bench/output/document/table.h"
 
 namespace wobblebench::bench {
+
+/// first, first + 1, …
+std::vector<std::uint64_t> seeds_from(std::uint64_t first, int count);
 
 /// A mean and its 95 % interval, mean - half to mean + half: Student's t for independent, about
 /// normal values.

@@ -37,8 +37,6 @@ const commands = [
   ['record', sceneFile, '--volumes', '2'],
   ['rehearse', '--seeds', '5'],
   ['phantom', sceneFile],
-  ['modes', sceneFile],
-  ['validate', '--study', 'shear'],
   ['accuracy', sceneFile, '--seeds', '2'],
   ['trade', planFile],
   ['compare', 'this', 'this', '--scene', sceneFile, '--seeds', '1', '--new-set', 'render.ray_casting.iso_level=0.71',

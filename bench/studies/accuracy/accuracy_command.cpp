@@ -9,6 +9,7 @@
 #include "bench/command/common_options.h"
 #include "bench/command/run_in_folder.h"
 #include "bench/command/software_renderer.h"
+#include "bench/evaluation/seed_statistics.h"
 #include "bench/exchange/program/renderer_process.h"
 #include "bench/output/image_io.h"
 #include "bench/output/report.h"
@@ -17,7 +18,6 @@
 #include "bench/scene/scene_cost.h"
 #include "bench/studies/accuracy/accuracy_plan.h"
 #include "bench/studies/accuracy/accuracy_report.h"
-#include "bench/studies/validate/common/statistics.h"
 #include "render/gl/context.h"
 
 namespace wobblebench::bench {

@@ -5,10 +5,10 @@
 
 #include "base/text.h"
 #include "base/user_error.h"
+#include "bench/evaluation/seed_statistics.h"
 #include "bench/exchange/program/renderer_process.h"
 #include "bench/scene/toml_file.h"
 #include "bench/studies/dataset/drawn_scenes.h"
-#include "bench/studies/validate/common/statistics.h"
 #include "sim/fidelity.h"
 
 namespace wobblebench::bench {

@@ -5,7 +5,7 @@
 #include <memory>
 #include <utility>
 
-#include "bench/studies/validate/common/statistics.h"
+#include "bench/evaluation/seed_statistics.h"
 #include "render/geometry/ray_sampling.h"
 
 namespace wobblebench::bench {

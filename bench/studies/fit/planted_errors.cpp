@@ -5,7 +5,7 @@
 #include <cmath>
 #include <utility>
 
-#include "bench/studies/validate/common/statistics.h"
+#include "bench/evaluation/seed_statistics.h"
 
 namespace wobblebench::bench {
 

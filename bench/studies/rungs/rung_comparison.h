@@ -15,7 +15,6 @@
 #include "base/statistics.h"
 #include "bench/output/progress.h"
 #include "bench/scene/scene.h"
-#include "bench/studies/validate/common/statistics.h"
 #include "hw/probe/acquisition_plan.h"
 #include "phantoms/placed_phantom.h"
 #include "sim/options.h"
@@ -28,6 +27,9 @@ struct RungScene {
   hw::AcquisitionPlan plan;
   sim::SimulationOptions options;  ///< the rung is overridden
 };
+
+/// A block of tissue in fluid; `half_m`: half its size, about the phantom's origin.
+phantoms::Phantom block(const glm::dvec3& half_m, double voxel_m);
 
 /// A slow translation, so that no echoes can be reused in the next volume.
 phantoms::Motion slow_path();

@@ -7,7 +7,6 @@
 
 #include "base/statistics.h"
 #include "base/units.h"
-#include "bench/studies/validate/common/statistics.h"
 #include "phantoms/truth.h"
 #include "sim/probe_simulator.h"
 

@@ -4,11 +4,10 @@
 #include <chrono>
 #include <cmath>
 #include <memory>
+#include <numeric>
 
 #include "base/duration.h"
 #include "base/units.h"
-#include "bench/studies/validate/common/scan.h"
-#include "bench/studies/validate/common/statistics.h"
 #include "sim/probe_simulator.h"
 
 namespace wobblebench::bench {
@@ -232,6 +231,24 @@ std::vector<GrowthPoint> measure_growth(const std::vector<sim::Rung>& rungs,
   return growth.take();
 }
 
+namespace {
+
+/// Of the line of least squares.
+double slope(const std::vector<double>& x, const std::vector<double>& y) {
+  const auto mean = [](const std::vector<double>& values) {
+    return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
+  };
+  const double mean_x = mean(x), mean_y = mean(y);
+  double xx = 0, xy = 0;
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    xx += (x[i] - mean_x) * (x[i] - mean_x);
+    xy += (x[i] - mean_x) * (y[i] - mean_y);
+  }
+  return xy / xx;
+}
+
+}  // namespace
+
 double growth_exponent(const std::vector<GrowthPoint>& points,
                        const std::string& what,
                        sim::Rung rung,
@@ -242,7 +259,7 @@ double growth_exponent(const std::vector<GrowthPoint>& points,
     x.push_back(std::log(point.size));
     y.push_back(std::log((point.time.*time).median));
   }
-  return fit_line(x, y).slope;
+  return slope(x, y);
 }
 
 }  // namespace wobblebench::bench

@@ -10,9 +10,9 @@
 
 #include "base/user_error.h"
 #include "bench/cache/phantom_cache.h"
+#include "bench/evaluation/seed_statistics.h"
 #include "bench/studies/trade/trade_study.h"
 #include "bench/studies/tune/tune_study.h"
-#include "bench/studies/validate/common/statistics.h"
 
 namespace wobblebench::bench {
 

@@ -13,9 +13,9 @@
 
 #include "base/hash.h"
 #include "base/number_text.h"
+#include "bench/evaluation/seed_statistics.h"
 #include "bench/scene/toml_file.h"
 #include "bench/studies/dataset/drawn_scenes.h"
-#include "bench/studies/validate/common/statistics.h"
 
 namespace wobblebench::bench {
 

@@ -7,7 +7,7 @@
 
 #include "base/near_name.h"
 #include "base/user_error.h"
-#include "bench/studies/validate/common/statistics.h"
+#include "bench/evaluation/seed_statistics.h"
 
 namespace wobblebench::bench {
 

@@ -91,7 +91,7 @@ TEST(FinishedReport, TimesHaveTheUseOfTheMachineBesideThem) {
   EXPECT_EQ(load.at("before").at("load_average").size(), 3U);
   EXPECT_TRUE(load.contains("others_percent"));
   EXPECT_TRUE(load.contains("switched_away"));
-  const auto untimed = finished(R"({"command": "validate", "provenance": {}})");
+  const auto untimed = finished(R"({"command": "phantom", "provenance": {}})");
   EXPECT_FALSE(untimed.at("provenance").contains("load"));
 }
 

@@ -6,8 +6,8 @@
 
 #include "bench/studies/rungs/rung_comparison.h"
 #include "bench/studies/rungs/rungs_report.h"
-#include "bench/studies/validate/common/scan.h"
 #include "tests/support/expect.h"
+#include "tests/support/process.h"
 
 namespace wobblebench::bench {
 namespace {
@@ -175,6 +175,15 @@ constexpr double kShadow = 1.125;
 #else
 constexpr double kShadow = 1;
 #endif
+
+TEST(RungsCommand, RefusesWhatItSetsItself) {
+  const testing_support::ScratchFolder folder;
+  const auto result = testing_support::run_process(
+      WOBBLEBENCH_PROGRAM, {"rungs", "--set", "simulation.fidelity=field"}, folder.path());
+  EXPECT_EQ(result.exit_code, 2);
+  EXPECT_EQ(result.err.find("wobblebench: simulation.fidelity: is set by the command"), 0u)
+      << result.err;
+}
 
 TEST(PeakMemory, SeesWhatABodyHolds) {
   constexpr std::size_t kBytes = 200u << 20;

@@ -1,5 +1,5 @@
 // Scatterers as hashes of tissue cells: density, echoes, and what octaves must not change.
-// Statistics of whole scans are in tests/bench/studies/validate/studies_test.cpp.
+// Statistics of whole scans are in tests/physics/speckle_test.py.
 #include "sim/speckle/scatterers/scatterer_field.h"
 
 #include <gtest/gtest.h>
