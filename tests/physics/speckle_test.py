@@ -25,7 +25,7 @@ def level_db(intensity):
 
 
 def level_bar_db(name, preset, edge):
-    """`field` takes a stick's level at angles about a degree apart: of curvilinear_60 it falls by 3 dB within one on the last sticks."""
+    """`field` takes a stick's level at angles about a degree apart: of curvilinear_60 it falls by 3 dB within one near the last."""
     return 1.5 if (name, preset, edge) == ("field", "curvilinear_60", True) else 0.5
 
 
