@@ -114,8 +114,8 @@ std::vector<std::string> page_addresses(const ServerOptions& options, int port) 
   const std::string query = options.token.empty() ? "/" : "/?token=" + options.token;
   const bool is_any = options.address == "0.0.0.0" || options.address == "::";
   std::vector<std::string> addresses;
-  for (const std::string& host : is_any ? addresses_of_machine(options.address == "::")
-                                        : std::vector{options.address}) {
+  for (const std::string& host :
+       is_any ? addresses_of_machine(options.address == "::") : std::vector{options.address}) {
     const bool is_v6 = host.find(':') != std::string::npos;
     addresses.push_back((is_v6 ? "http://[" : "http://") + host + (is_v6 ? "]:" : ":") +
                         std::to_string(port) + query);

@@ -130,9 +130,10 @@ Json LiveRequests::answer(const nlohmann::json& request, ServerCalls::Answer& to
     pipeline_.show_past(request.at("number").get<std::uint64_t>(),
                         request.at("of").get<std::string>());
   } else if (what != "ping") {
-    throw UserError("do = " + what +
-                    ": must be hello, ping, set, reset, play, pause, step, faults, show, save, compare, "
-                    "history or past");
+    throw UserError(
+        "do = " + what +
+        ": must be hello, ping, set, reset, play, pause, step, faults, show, save, compare, "
+        "history or past");
   }
   return {{"type", "done"}, {"serial", serial}};
 }

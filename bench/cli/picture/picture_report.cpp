@@ -52,10 +52,9 @@ std::string error_text(const Comparison& comparison, const ResolvedScene& scene)
   const DepthError& raw = comparison.error.raw;
   if (!raw.surface_in_view()) return nothing_in_view(raw, sought);
   const auto percent = [&](double value) { return sought.surface ? rounded(value) : "none"; };
-  return "depth error bias " + in_mm(raw.depth.bias_m) + " mm, RMS " +
-         in_mm(raw.depth.rms_m) + " mm, P95 " + in_mm(raw.depth.p95_m) + " mm, " +
-         rounded(100 * raw.depth.outlier_share) + " % beyond 10 mm, over " +
-         std::to_string(raw.depth.n) + " pixels\nsurface     missed " +
+  return "depth error bias " + in_mm(raw.depth.bias_m) + " mm, RMS " + in_mm(raw.depth.rms_m) +
+         " mm, P95 " + in_mm(raw.depth.p95_m) + " mm, " + rounded(100 * raw.depth.outlier_share) +
+         " % beyond 10 mm, over " + std::to_string(raw.depth.n) + " pixels\nsurface     missed " +
          percent(raw.missed_surface_percent()) + " % of its area (" +
          percent(raw.missed_percent()) + " % of the picture), false " +
          percent(raw.false_percent()) + " % of the picture\n" + unseen_line(raw);

@@ -16,9 +16,9 @@ namespace wobblebench::bench {
 struct Comparison {
   Truth truth;
   PictureMeasures error;
-  Image<glm::vec3> shaded_truth = {};                     ///< light, as shade_truth() makes it
-  std::optional<Registration> registration = {};          ///< none: not asked for
-  std::optional<Labels> labels = {};                      ///< none: not asked for
+  Image<glm::vec3> shaded_truth = {};             ///< light, as shade_truth() makes it
+  std::optional<Registration> registration = {};  ///< none: not asked for
+  std::optional<Labels> labels = {};              ///< none: not asked for
 };
 
 /// A picture against the truth, whoever made it.

@@ -29,7 +29,6 @@ using ElementNames = std::vector<std::pair<Element, std::string_view>>;
 /// In upper or lower case; none: no such name.
 std::optional<Element> element_of(const ElementNames& names, std::string_view name);
 
-
 /// Fields of a header, which are found in upper and in lower case.
 struct AnyCase {
   bool operator()(const std::string& a, const std::string& b) const {

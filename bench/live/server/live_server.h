@@ -37,7 +37,7 @@ struct LiveMessage {
 
 struct ServerOptions {
   std::string address = "127.0.0.1";
-  int port = 0;       ///< 0: any that is free
+  int port = 0;                    ///< 0: any that is free
   std::string token;               ///< that each page and socket must bring; empty: none
   std::vector<std::string> names;  ///< in lower case, of proxies that it is behind
   int most_viewers = 8;

@@ -182,8 +182,8 @@ class HtmlOf {
                            const std::string& bytes,
                            const char* more = "") {
     return "<img src=\"" + picture_address(bytes) + "\"" + attribute("alt", picture.caption) +
-           size_attributes(bytes) + more + "><a class=\"blocked\"" + attribute("href", picture.file) +
-           ">" + escaped(picture.file) + "</a>";
+           size_attributes(bytes) + more + "><a class=\"blocked\"" +
+           attribute("href", picture.file) + ">" + escaped(picture.file) + "</a>";
   }
   static std::string said_of(const Picture& picture, const std::string& bytes) {
     if (!is_jpeg(bytes)) return picture.caption;

@@ -160,8 +160,8 @@ int fit(const Arguments& arguments) {
 
 Command add_fit_command(CLI::App& app) {
   const auto arguments = std::make_shared<Arguments>();
-  CLI::App& command = add_subcommand(
-      app, "fit", "Register the probe's errors; fit the surface-detection error");
+  CLI::App& command =
+      add_subcommand(app, "fit", "Register the probe's errors; fit the surface-detection error");
   add_scene_options(command, arguments->scene);
   add_output_options(command, arguments->output, arguments->cache);
   add_gl_option(command, arguments->gl);

@@ -53,8 +53,7 @@ class Question {
   explicit Question(const ToleranceRequest& request)
       : request_(request), given_(load({}).given), finest_(choose_finest_rung()) {
     if (!given_.contains("render.preset")) return;
-    throw UserError(
-        "--tolerance: chooses the settings of the renderer; leave render.preset out");
+    throw UserError("--tolerance: chooses the settings of the renderer; leave render.preset out");
   }
 
   /// The scene's own rung, or the finest that it allows but for `reference`, which is for small
