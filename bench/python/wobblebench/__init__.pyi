@@ -118,7 +118,6 @@ SceneKey = Literal[
     "simulation.display.persistence",
     "simulation.display.grey_bits",
     "render.preset",
-    "render.correction",
     "render.program",
     "render.program_voxel_mm",
     "render.program_timeout_s",
