@@ -209,9 +209,6 @@ const std::vector<RefusedLine> kBadInput = {
     {"tables --gl glide", "--gl: glide not in {auto,"},
     {"tables --set render.pipeline.mode=plain",
      "render.pipeline.mode: is set by the tables themselves"},
-    {"modes --set render.view.yaw_deg=5", "render.view.yaw_deg: is set by the comparison itself"},
-    {"modes --set render.ray_casting.mode=volume",
-     "render.ray_casting.mode = \"volume\": must be surface or both"},
 };
 
 using BadInput = InFolder;

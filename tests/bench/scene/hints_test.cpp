@@ -99,7 +99,7 @@ TEST_F(Warnings, OfOptionsWithoutEffectAreOneLineAndAnEntryOfTheReport) {
 TEST_F(Warnings, OfOptionsWithoutEffectAreGivenByEveryCommandThatTakesAScene) {
   folder_.write("none.obj", "no mesh");
   for (const std::string& command :
-       words_of("run stream record accuracy rungs latency modes tables fit conformance phantom")) {
+       words_of("run stream record accuracy rungs latency tables fit conformance phantom")) {
     expect_line(
         bench(command, {set("phantom.name=mesh phantom.file=none.obj phantom.radius_mm=30")}),
         2,
