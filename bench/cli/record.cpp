@@ -360,9 +360,11 @@ CommandResult record_to(OutputFolder& out,
   result.link = link->capabilities();
   const std::string loss = result.end == hw::RecordingEnd::lost ? link->loss() : "";
   if (!result.progress.configuration) {
-    throw std::runtime_error("--board = " + arguments.board + ": " +
-                             (loss.empty() ? "sent no configuration" : loss) +
-                             "; nothing is recorded");
+    const bool is_ours = result.end == hw::RecordingEnd::stop_requested;
+    const std::string why = is_ours        ? "interrupted before it sent a configuration"
+                            : loss.empty() ? "sent no configuration"
+                                           : loss;
+    throw std::runtime_error("--board = " + arguments.board + ": " + why + "; nothing is recorded");
   }
   progress.warn(left_out_warning(board));
   if (result.progress.acquisitions > 1) {
