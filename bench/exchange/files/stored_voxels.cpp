@@ -20,7 +20,7 @@ namespace {
 
 /// In the header's folder or below: a header must not name other files of who reads it.
 std::filesystem::path beside(const std::filesystem::path& header, const StoredVoxels& stored) {
-  const std::filesystem::path name = stored.file, path = header.parent_path() / name;
+  std::filesystem::path name = stored.file, path = header.parent_path() / name;
   const bool is_below = name.is_relative() && std::ranges::count(name, "..") == 0;
   std::error_code error;
   if (is_below && std::filesystem::is_regular_file(path, error)) return path;
