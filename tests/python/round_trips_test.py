@@ -5,14 +5,14 @@ import json
 import os
 import pathlib
 import re
+import subprocess
 import tempfile
 import unittest
 
 import numpy
 
 import wobblebench
-from module_test import as_arguments, exr_channels
-from moving_test import PROGRAM, subprocess
+from module_test import PROGRAM, as_arguments, exr_channels
 
 COUNT = int(os.environ.get("ROUND_TRIPS", 20))
 SEED = int(os.environ.get("ROUND_TRIPS_SEED", 1))
