@@ -63,6 +63,11 @@ void check_threshold(const RayCastingOptions& o) {
 
 }  // namespace
 
+bool has_stick_levels(const RenderOptions& options) {
+  const RayCastingOptions& o = options.ray_casting;
+  return o.detector != Detector::paper && !o.iso_level && o.mode != RenderMode::volume;
+}
+
 void validate(const RenderOptions& options) {
   check_options(options.pipeline, "pipeline.");
   check_options(options.reconstruction, "reconstruction.");
@@ -85,6 +90,12 @@ void validate(const RenderOptions& options) {
         "pipeline.mid_volume",
         "true",
         "needs reconstruction.sticks plain; sticks are aligned once a volume is whole");
+  }
+  if (has_stick_levels(options) && options.pipeline.mid_volume) {
+    throw InvalidOption("pipeline.mid_volume",
+                        "true",
+                        "needs a number as ray_casting.iso_level; the level of each stick is found "
+                        "once a volume is whole");
   }
   if (options.shading.base == ShadingBase::rendered &&
       options.ray_casting.mode == RenderMode::surface) {

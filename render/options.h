@@ -53,11 +53,13 @@ struct ReconstructionOptions {
   /// aligned: sticks and frames are added until neighbours lie this near at the far side of the
   /// volume of interest.
   double spacing_m = 1e-3;
-  /// aligned: a stick's own edge is where its echo is so far up from the level of fluid to that of
+  /// aligned, or iso_level auto: a stick's own edge is where its echo is so far up from the level of fluid to that of
   /// tissue (render/reconstruction/echo_levels.h).
   double edge_level = 0.5;
   /// aligned: edges of neighbouring sticks lie on one surface unless its slope exceeds this angle.
   double steepest_rad = 65 * kDegree;
+  /// What samples from 0 to 1 stand for, dB; scenes take simulation.dynamic_range_db.
+  double display_range_db = 60;
 
   bool operator==(const ReconstructionOptions&) const = default;
 };
@@ -68,6 +70,7 @@ void describe(O& o, Visitor& v) {
   v.real("spacing_mm", o.spacing_m, kMillimetre, 0.1, 100);
   v.real("edge_level", o.edge_level, 1, 0.05, 0.95);
   v.real("steepest_deg", o.steepest_rad, kDegree, 0, 85);
+  v.real("display_range_db", o.display_range_db, 1, 10, 200);
 }
 
 /// Texel format of slices on the GPU. r8 is there to measure its loss of accuracy: llvmpipe filters
@@ -151,6 +154,7 @@ void describe(O& o, Visitor& v) {
 }
 
 inline constexpr int kLongestBuffer = 64;  ///< n of Eq. (1)
+inline constexpr double kIsoLevel = 0.72;  ///< RayCastingOptions::iso_level, unless it is automatic
 
 /// Pass 2: ray casting, edge detection and alpha blending, paper section 3.2.
 struct RayCastingOptions {
@@ -161,8 +165,12 @@ struct RayCastingOptions {
   KernelSpace kernel_space = KernelSpace::slice;
   Detector detector = Detector::paper;
   /// iso and floor: fraction of the way from the level of fluid to that of tissue
-  /// (render/reconstruction/echo_levels.h).
-  double iso_level = 0.72;
+  /// (render/reconstruction/echo_levels.h), one for the volume. nullopt: each stick has its own
+  /// level, below_tissue_db below the tissue behind its edge, and its samples are scaled to it
+  /// (render/reconstruction/stick_levels.h); the alpha-blended picture is of the scaled samples.
+  std::optional<double> iso_level = kIsoLevel;
+  /// iso_level auto: decibels where the beam is 2.4 mm wide; fewer in a wider one.
+  double below_tissue_db = 6;
   /// The found surface is moved away from the viewer by this length times the tangent of its
   /// incidence to the beam: a beam sees tissue beside its axis before the surface on it. 0: not;
   /// nullopt: kShareOfWidth of the probe's beam width at the surface, in the direction in which
@@ -219,7 +227,8 @@ void describe(O& o, Visitor& v) {
   v.choice("detector",
            o.detector,
            {{"paper", Detector::paper}, {"iso", Detector::iso}, {"floor", Detector::floor}});
-  v.real("iso_level", o.iso_level, 1, 0.05, 1.5);
+  v.real_or_auto("iso_level", o.iso_level, 1, 0.05, 1.5);
+  v.real("below_tissue_db", o.below_tissue_db, 1, 0.5, 40);
   v.real_or_auto("incidence_correction_mm", o.incidence_correction_m, kMillimetre, 0, 10);
   v.flag("caps", o.caps);
   v.real("smallest_piece_mm2", o.smallest_piece_m2, kMillimetre * kMillimetre, 0, 10000);
@@ -339,6 +348,9 @@ struct RenderOptions {
 
   bool operator==(const RenderOptions&) const = default;
 };
+
+/// Whether each stick has a level of its own: iso_level is automatic and a detector reads it.
+bool has_stick_levels(const RenderOptions& options);
 
 /// Throws InvalidOption with the section in its key: "ray_casting.kernel_3d = 4: must be odd".
 void validate(const RenderOptions& options);

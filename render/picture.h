@@ -4,6 +4,7 @@
 #include <glm/vec3.hpp>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "base/image.h"
@@ -27,6 +28,8 @@ struct SurfaceLevels {
   double tissue = 0;
   /// False where the samples are of one kind: then nothing is a surface.
   bool separate = false;
+  /// Lowest and highest level of the sticks' surfaces, where each has its own.
+  std::optional<std::pair<double, double>> of_sticks;
 };
 
 /// A rendered picture.

@@ -104,25 +104,37 @@ struct Renderer::Pipeline {
   /// aligned sticks wait for.
   bool reconstruct() {
     const bool whole = frames.volume_complete();
-    if (reconstruction.aligns() && !whole) return false;
+    if (reconstruction.waits_for_volume() && !whole) return false;
     if (!whole && !options.pipeline.mid_volume) return true;
     const MotorAngles angles = frames.angles();
     const double steps = factory.geometry().frames_per_planned_frame();
     incoming->set_covered({steps * angles.covered.first, steps * angles.covered.last});
     if (!angles.as_planned()) incoming->sweep = 1;
-    if (needs_levels(options)) {
-      incoming_levels = reconstruction.levels(frames.received(), angles);
-      incoming->set_level(detection_level(*incoming_levels, options.ray_casting));
-    }
-    if (reconstruction.aligns()) {
-      frames.put_aligned(
-          reconstruction.aligned_frames(frames.received(), angles, *incoming_levels));
-    } else if (!angles.as_planned()) {
-      frames.put_aligned(place_frames(plan, frames.received(), angles));
-    } else {
+    const EchoLevels levels = needs_levels(options)
+                                  ? reconstruction.levels(frames.received(), angles)
+                                  : EchoLevels();
+    if (!reconstruction.makes_frames(angles)) {
+      set_incoming_levels(levels, {});
       frames.drop_aligned();
+      return true;
     }
+    const hw::BeamWidths* widths = has_stick_levels(options) ? &beam_widths() : nullptr;
+    const auto sticks = reconstruction.prepare(frames.received(), angles, levels, widths);
+    set_incoming_levels(levels, sticks);
+    frames.put_aligned(reconstruction.frames(frames.received(), angles, sticks));
     return true;
+  }
+
+  void set_incoming_levels(const EchoLevels& levels, const PreparedSticks& sticks) {
+    if (!needs_levels(options)) return;
+    incoming_levels = {levels.fluid, levels.tissue, levels.separate};
+    if (!sticks.levelled.empty()) incoming_levels->of_sticks = sticks.range;
+    incoming->set_level(detection_level(levels, options.ray_casting));
+  }
+
+  const hw::BeamWidths& beam_widths() {
+    if (!beam) beam.emplace(plan);
+    return *beam;
   }
 
   /// One pixel of each draw of all passes, of an empty volume.
@@ -204,16 +216,13 @@ struct Renderer::Pipeline {
     picture.volume = download_rgb(ray_caster.color());
     picture.depth_m = download_depth(*depth);
     picture.filtered_depth_m = download_depth(surface_shader.filtered_depth());
-    if (const auto& levels = complete ? complete_levels : incoming_levels) {
-      picture.levels = SurfaceLevels{levels->fluid, levels->tissue, levels->separate};
-    }
+    picture.levels = complete ? complete_levels : incoming_levels;
     check_gl("reading the picture");
   }
 
   IncidenceCorrection make_incidence(const RenderOptions& given) {
     if (!IncidenceCorrection::acts(given)) return {};
-    if (!beam) beam.emplace(plan);
-    return {factory.geometry(), *beam, given};
+    return {factory.geometry(), beam_widths(), given};
   }
 
   RayCaster make_ray_caster() const { return {factory.geometry(), options, *incoming}; }
@@ -242,9 +251,11 @@ struct Renderer::Pipeline {
     options = given;
   }
 
-  void set_options_of(SliceVolume& volume, const std::optional<EchoLevels>& levels) const {
+  void set_options_of(SliceVolume& volume, const std::optional<SurfaceLevels>& levels) const {
     volume.set_options(options);
-    if (levels) volume.set_level(detection_level(*levels, options.ray_casting));
+    if (!levels) return;
+    volume.set_level(detection_level({levels->fluid, levels->tissue, levels->separate},
+                                     options.ray_casting));
   }
 
   void set_view() {
@@ -289,9 +300,9 @@ struct Renderer::Pipeline {
   FrameStore frames;
   std::unique_ptr<SliceVolume> incoming;  ///< the volume that new frames belong to
   std::unique_ptr<SliceVolume> complete;  ///< the last complete one; null: `incoming` is shown
-  std::optional<EchoLevels> incoming_levels, complete_levels;  ///< none: not measured
+  std::optional<SurfaceLevels> incoming_levels, complete_levels;  ///< none: not measured
   RayCaster ray_caster;
-  std::optional<hw::BeamWidths> beam;  ///< once a correction has needed it
+  std::optional<hw::BeamWidths> beam;  ///< once a correction or a level has needed it
   IncidenceCorrection incidence;
   const Texture* depth = nullptr;  ///< z that pass 3 reads
   Texture large_pieces;            ///< z without small pieces; empty before any are left out

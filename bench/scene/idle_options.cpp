@@ -216,13 +216,20 @@ const std::vector<Rule>& rules_of_simulation() {
 
 const std::vector<Rule>& rules_of_rays() {
   static const std::vector<Rule> rules = {
-      {{"render.reconstruction.spacing_mm",
-        "render.reconstruction.edge_level",
-        "render.reconstruction.steepest_deg"},
+      {{"render.reconstruction.spacing_mm", "render.reconstruction.steepest_deg"},
        "render.reconstruction.sticks = aligned",
        [](const Setting& s) {
          return s.scene.render.reconstruction.sticks == render::Sticks::aligned;
        }},
+      {{"render.reconstruction.edge_level"},
+       "render.reconstruction.sticks = aligned or render.ray_casting.iso_level = auto",
+       [](const Setting& s) {
+         return s.scene.render.reconstruction.sticks == render::Sticks::aligned ||
+                render::has_stick_levels(s.scene.render);
+       }},
+      {{"render.reconstruction.display_range_db", "render.ray_casting.below_tissue_db"},
+       "render.ray_casting.iso_level = auto, where a surface is sought",
+       [](const Setting& s) { return render::has_stick_levels(s.scene.render); }},
       {{"render.view.eye_distance_mm"},
        "render.view.projection = perspective",
        [](const Setting& s) {

@@ -114,6 +114,9 @@ ResolvedScene::ResolvedScene(Scene options, std::optional<phantoms::PlacedPhanto
       subject_(std::move(subject)) {}
 
 ResolvedScene resolve_scene(Scene scene, const std::optional<phantoms::Phantom>& phantom) {
+  if (!scene.given.contains("render.reconstruction.display_range_db")) {
+    scene.render.reconstruction.display_range_db = scene.simulation.dynamic_range_db;
+  }
   if (!phantom) {
     frame_sector(scene);
     check_render(scene.render);

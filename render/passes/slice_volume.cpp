@@ -100,14 +100,19 @@ bool same_slices(const RenderOptions& one, const RenderOptions& other) {
   const auto region = [](const RenderOptions& o) {
     return std::pair(o.ray_casting.stop_at_box, o.ray_casting.stop_at_box ? kernel_radius_m(o) : 0);
   };
-  const auto aligned_edge = [](const RenderOptions& o) {
-    return o.reconstruction.sticks == Sticks::aligned ? o.ray_casting.edge : EdgeSign::rising;
+  const auto edge_of_sticks = [](const RenderOptions& o) {
+    const bool has_edges = o.reconstruction.sticks == Sticks::aligned || has_stick_levels(o);
+    return has_edges ? o.ray_casting.edge : EdgeSign::rising;
+  };
+  const auto stick_levels = [](const RenderOptions& o) {
+    return has_stick_levels(o) ? o.ray_casting.below_tissue_db : 0;
   };
   return one.pipeline == other.pipeline && one.reconstruction == other.reconstruction &&
          one.scan_conversion == other.scan_conversion &&
          one.volume_of_interest == other.volume_of_interest && same(slice_weights) &&
          same([](const RenderOptions& o) { return frame_weights(o.ray_casting); }) &&
-         same(needs_levels) && same(needs_slopes) && same(region) && same(aligned_edge);
+         same(needs_levels) && same(needs_slopes) && same(region) && same(edge_of_sticks) &&
+         same(stick_levels);
 }
 
 struct SliceVolumeFactory::Shared {

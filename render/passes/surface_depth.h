@@ -64,7 +64,7 @@ class IncidenceCorrection {
 
 /// Automatic length: this share of the beam's two-way -6 dB width, chosen for the default level
 /// (docs/decisions/0054-correction-by-the-beam.md).
-inline constexpr double kShareOfWidth = 0.55;
+inline constexpr double kShareOfWidth = 0.5;
 /// Largest tangent of incidence: 60 degrees. Beyond it the beam is wider than the part of a curved
 /// surface that has one tangent, and the normal of the rim is not known well.
 inline constexpr double kMaxTangent = 1.73;

@@ -1,8 +1,10 @@
 #include "render/reconstruction/reconstruction.h"
 
+#include <algorithm>
 #include <limits>
 
 #include "render/reconstruction/stick_edges.h"
+#include "render/reconstruction/stick_levels.h"
 
 namespace wobblebench::render {
 
@@ -13,7 +15,8 @@ bool needs_levels(const RenderOptions& options) {
 
 double detection_level(const EchoLevels& levels, const RayCastingOptions& options) {
   if (!levels.separate) return std::numeric_limits<double>::infinity();
-  const double rise = options.iso_level * (levels.tissue - levels.fluid);
+  const double rise =
+      options.iso_level.value_or(kIsoLevel) * (levels.tissue - levels.fluid);
   return options.detector == Detector::floor ? rise : levels.fluid + rise;
 }
 
@@ -32,15 +35,48 @@ EchoLevels Reconstruction::levels(const std::vector<std::vector<float>>& receive
   return measure_levels(plan_, received, spans(angles));
 }
 
-std::vector<std::vector<float>> Reconstruction::aligned_frames(
+PreparedSticks prepare_sticks(const hw::AcquisitionPlan& plan,
+                              const std::vector<std::vector<float>>& received,
+                              const std::vector<SampleSpan>& spans,
+                              const EchoLevels& levels,
+                              const hw::BeamWidths* beam,
+                              const RenderOptions& options) {
+  PreparedSticks sticks;
+  sticks.edges = find_stick_edges(plan,
+                                  received,
+                                  spans,
+                                  levels,
+                                  options.ray_casting.edge,
+                                  options.reconstruction.edge_level);
+  if (!has_stick_levels(options) || !levels.separate) return sticks;
+  const auto stick_levels =
+      find_stick_levels(plan, received, sticks.edges, levels, *beam, options);
+  const auto [lowest, highest] = std::ranges::minmax(stick_levels);
+  sticks.range = {lowest, highest};
+  sticks.levelled = level_sticks(plan, received, stick_levels, levels, levels.at(kIsoLevel));
+  return sticks;
+}
+
+PreparedSticks Reconstruction::prepare(const std::vector<std::vector<float>>& received,
+                                       const MotorAngles& angles,
+                                       const EchoLevels& levels,
+                                       const hw::BeamWidths* beam) const {
+  if (!waits_for_volume()) return {};
+  return prepare_sticks(plan_, received, spans(angles), levels, beam, options_);
+}
+
+std::vector<std::vector<float>> Reconstruction::frames(
     const std::vector<std::vector<float>>& received,
     const MotorAngles& angles,
-    const EchoLevels& levels) const {
-  const ReconstructionOptions& o = options_.reconstruction;
-  const auto edges = find_stick_edges(
-      plan_, received, spans(angles), levels, options_.ray_casting.edge, o.edge_level);
-  return align_sticks(
-      plan_, dense_factors(plan_, options_), received, angles, edges, o.steepest_rad);
+    const PreparedSticks& sticks) const {
+  const auto& samples = sticks.samples(received);
+  if (!aligns()) return angles.as_planned() ? samples : place_frames(plan_, samples, angles);
+  return align_sticks(plan_,
+                      dense_factors(plan_, options_),
+                      samples,
+                      angles,
+                      sticks.edges,
+                      options_.reconstruction.steepest_rad);
 }
 
 }  // namespace wobblebench::render

@@ -253,15 +253,18 @@ ReferenceSticks make_sticks(const hw::PolarVolume& volume, const RenderOptions& 
   const EchoLevels levels = measure_levels(plan, received, spans);
   result.level = detection_level(levels, options.ray_casting);
   const ReconstructionOptions& o = options.reconstruction;
+  std::optional<hw::BeamWidths> beam;
+  if (has_stick_levels(options)) beam.emplace(plan);
+  const PreparedSticks prepared =
+      prepare_sticks(plan, received, spans, levels, beam ? &*beam : nullptr, options);
+  const auto& samples = prepared.samples(received);
   if (o.sticks == render::Sticks::plain) {
     const auto& frames =
-        result.angles.as_planned() ? received : place_frames(plan, received, result.angles);
+        result.angles.as_planned() ? samples : place_frames(plan, samples, result.angles);
     for (const auto& frame : frames) result.frames.emplace_back(frame.begin(), frame.end());
     return result;
   }
-  const auto edges =
-      find_stick_edges(plan, received, spans, levels, options.ray_casting.edge, o.edge_level);
-  auto rows = edged_frames(plan, received, edges);
+  auto rows = edged_frames(plan, samples, prepared.edges);
   const DenseFactors factors = dense_factors(plan, options);
   const hw::ProbeGeometry geometry = plan.geometry();
   const double spacing_m = plan.sample_spacing_m();

@@ -48,6 +48,7 @@ RenderOptions random_options(std::mt19937& random) {
   o.edge = integer(0, 1) ? EdgeSign::rising : EdgeSign::falling;
   o.mode = static_cast<RenderMode>(integer(0, 2));
   o.detector = static_cast<Detector>(integer(0, 2));
+  if (integer(0, 1)) o.iso_level.reset();
   o.smallest_piece_m2 = integer(0, 1) * 40e-6;
   o.incidence_correction_m = integer(0, 1) * 1e-3;
   if (integer(0, 2) == 0) o.incidence_correction_m.reset();

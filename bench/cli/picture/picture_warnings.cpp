@@ -59,7 +59,8 @@ std::string why_none(const render::Picture& picture, const ResolvedScene& scene)
            "apart (" +
            levels + ")";
   }
-  return "no ray crossed render.ray_casting.iso_level = " + level_text(o.iso_level) +
+  if (!o.iso_level) return "no ray crossed the level of its sticks (" + levels + ")";
+  return "no ray crossed render.ray_casting.iso_level = " + level_text(*o.iso_level) +
          " of the way from fluid to tissue (" + levels + ")";
 }
 

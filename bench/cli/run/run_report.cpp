@@ -87,7 +87,10 @@ std::string no_truth(const RunResult& result) {
 /// Null where no detector needs them.
 Json levels_json(const std::optional<render::SurfaceLevels>& levels) {
   if (!levels) return nullptr;
-  return {{"fluid", levels->fluid}, {"tissue", levels->tissue}, {"separate", levels->separate}};
+  Json json = {
+      {"fluid", levels->fluid}, {"tissue", levels->tissue}, {"separate", levels->separate}};
+  if (levels->of_sticks) json["of_sticks"] = {levels->of_sticks->first, levels->of_sticks->second};
+  return json;
 }
 
 /// A fitted value with its 95 % interval, in units that a person reads.

@@ -49,7 +49,9 @@ render::RenderOptions moved(render::RenderOptions options,
   if (casting.detector == render::Detector::paper) {
     casting.threshold += sign * casting.buffer_length * kFilterError;
   } else if (levels->separate) {  // else there is no surface at any level
-    casting.iso_level += sign * kFilterError / (levels->tissue - levels->fluid);
+    const double share = kFilterError / (levels->tissue - levels->fluid);
+    if (casting.iso_level) *casting.iso_level += sign * share;
+    else casting.below_tissue_db -= sign * kFilterError * options.reconstruction.display_range_db;
   }
   return options;
 }
