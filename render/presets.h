@@ -9,7 +9,7 @@ namespace wobblebench::render {
 
 /// `baseline`: the defaults of RenderOptions, which are the paper's but for three
 /// (docs/decisions/0006-defaults-of-the-probe.md). `accurate`: sticks aligned by
-/// their surface, an iso-surface at a level that the volume says, corrected for the beam's width
+/// their surface, an iso-surface at a level that each stick says, corrected for the beam's width
 /// (docs/decisions/0031-the-surface.md).
 enum class RenderPreset { accurate, baseline };
 

@@ -50,22 +50,11 @@ std::string one_frame_text(const Scene& scene) {
          " deg, as if the body were the same at every motor angle";
 }
 
-/// Empty: the picture has no caps.
-std::string caps_text(const Scene& scene) {
-  const render::RayCastingOptions& o = scene.render.ray_casting;
-  const bool act =
-      o.caps && o.detector == render::Detector::iso && o.mode != render::RenderMode::volume;
-  return act ? "render.ray_casting.caps = true: the truth has no caps; they count as false "
-               "surface, and what lies behind them as too near"
-             : "";
-}
-
 }  // namespace
 
 std::vector<std::string> scene_warnings(const Scene& scene, SampleSource source) {
   std::vector<std::string> warnings;
-  for (std::string text :
-       {incidence_text(scene, source), one_frame_text(scene), caps_text(scene)}) {
+  for (std::string text : {incidence_text(scene, source), one_frame_text(scene)}) {
     if (!text.empty()) warnings.push_back(std::move(text));
   }
   return warnings;

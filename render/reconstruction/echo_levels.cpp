@@ -12,7 +12,12 @@ namespace wobblebench::render {
 namespace {
 
 constexpr int kBins = 256;
-using Histogram = std::array<std::uint64_t, kBins>;
+
+/// Of means over kLevelMean_m, and the number of single samples that are white.
+struct Histogram {
+  std::array<std::uint64_t, kBins> counts{};
+  std::uint64_t white = 0;
+};
 
 double center(int bin) {
   return (bin + 0.5) / kBins;
@@ -26,24 +31,25 @@ Histogram histogram(const hw::AcquisitionPlan& plan,
   const int window = samples_in(kLevelMean_m, plan);
   std::vector<Histogram> of_frame(frames.size(), Histogram{});
   parallel_rows(static_cast<int>(frames.size()), [&](int frame) {
-    Histogram& counts = of_frame[static_cast<std::size_t>(frame)];
+    Histogram& sum = of_frame[static_cast<std::size_t>(frame)];
     for (int line = 0; line < lines; ++line) {
       const SampleSpan span = spans[static_cast<std::size_t>(frame * lines + line)];
       if (span.begin >= span.end) continue;
-      const WindowMeans means(
-          frames[static_cast<std::size_t>(frame)].data() + std::ptrdiff_t{line} * samples, samples);
+      const float* stick =
+          frames[static_cast<std::size_t>(frame)].data() + std::ptrdiff_t{line} * samples;
+      const WindowMeans means(stick, samples);
       for (int k = span.begin; k < span.end; ++k) {
+        sum.white += stick[k] >= kWhite;
         const int bin =
             static_cast<int>(means.mean(k - window / 2, k - window / 2 + window) * kBins);
-        ++counts[static_cast<std::size_t>(std::clamp(bin, 0, kBins - 1))];
+        ++sum.counts[static_cast<std::size_t>(std::clamp(bin, 0, kBins - 1))];
       }
     }
   });
   Histogram total{};
-  for (const Histogram& counts : of_frame) {
-    for (int bin = 0; bin < kBins; ++bin) {
-      total[static_cast<std::size_t>(bin)] += counts[static_cast<std::size_t>(bin)];
-    }
+  for (const Histogram& sum : of_frame) {
+    total.white += sum.white;
+    for (std::size_t bin = 0; bin < kBins; ++bin) total.counts[bin] += sum.counts[bin];
   }
   return total;
 }
@@ -67,7 +73,7 @@ struct Sums {
 EchoLevels measure_levels(const hw::AcquisitionPlan& plan,
                           const std::vector<std::vector<float>>& frames,
                           const std::vector<SampleSpan>& spans) {
-  const Histogram counts = histogram(plan, frames, spans);
+  const auto [counts, white] = histogram(plan, frames, spans);
   Sums all;
   for (int bin = 0; bin < kBins; ++bin) all.add(bin, counts[static_cast<std::size_t>(bin)]);
   EchoLevels best;
@@ -82,7 +88,10 @@ EchoLevels measure_levels(const hw::AcquisitionPlan& plan,
     if (within >= least) continue;
     least = within;
     const double deviation = std::sqrt(within / all.n);
-    best = {low.mean(), high.mean(), high.mean() - low.mean() >= kLeastSeparation * deviation};
+    best = {low.mean(),
+            high.mean(),
+            high.mean() - low.mean() >= kLeastSeparation * deviation,
+            static_cast<double>(white) / high.n};
   }
   return best;
 }

@@ -44,6 +44,7 @@ struct EchoLevels {
   double tissue = 0;
   /// False where the samples are of one kind, noise alone say: then there is no surface.
   bool separate = false;
+  double white = 0;  ///< samples at the display's upper end, over the number of those of tissue
 
   double at(double fraction) const { return fluid + fraction * (tissue - fluid); }
 };
@@ -51,6 +52,9 @@ struct EchoLevels {
 /// Classes count as two if their means differ by this many standard deviations within a class.
 /// Otsu's halves of one Gaussian differ by 2.65.
 inline constexpr double kLeastSeparation = 3;
+
+/// A sample is white from here on: the last of 255 steps.
+inline constexpr float kWhite = 254.5f / 255;
 
 /// Samples are averaged over this range first: speckle would widen both classes.
 inline constexpr double kLevelMean_m = 1e-3;

@@ -157,6 +157,8 @@ std::vector<double> find_stick_levels(const hw::AcquisitionPlan& plan,
                                       const RenderOptions& options) {
   const EdgeProfiles profiles(plan, frames, edges, options.ray_casting.edge);
   const int lines = plan.acquisition().sticks_per_frame;
+  const double lowest = levels.at(
+      std::lerp(kLowestLevel, kLowestOfWhite, std::min(levels.white / kMuchWhite, 1.0)));
   StickGrid weights(static_cast<int>(frames.size()), lines);
   StickGrid weighted(weights.frames, lines);
   parallel_rows(weights.frames, [&](int f) {
@@ -166,8 +168,7 @@ std::vector<double> find_stick_levels(const hw::AcquisitionPlan& plan,
       const double below = below_tissue_db(beam.at(edges[weights.index(f, l)]),
                                            options.ray_casting.below_tissue_db) /
                            options.reconstruction.display_range_db;
-      const double level =
-          std::max(std::min(tissue, levels.tissue) - below, levels.at(kLowestLevel));
+      const double level = std::max(std::min(tissue, levels.tissue) - below, lowest);
       const double share = (level - levels.fluid) / (levels.tissue - levels.fluid);
       weights.at(f, l) = std::exp(kHigherWeighsMore * share);
       weighted.at(f, l) = weights.at(f, l) * level;

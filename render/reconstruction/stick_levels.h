@@ -14,7 +14,8 @@ namespace wobblebench::render {
 /// the tissue behind the stick's edge, less in a wider beam, whose edges are flatter. Tissue is the
 /// greatest mean over 1.5 mm from 0.5 to 3.5 mm behind the edge, averaged with the neighbours on
 /// the same surface, and at most the volume's; the level is at least kLowestLevel of the way from
-/// fluid to tissue. Levels are smoothed over the neighbours, the higher ones counting more: a rim,
+/// fluid to tissue, up to kLowestOfWhite where the gain is so high that tissue is white: its level
+/// is not known then, and haze beside it comes near it. Levels are smoothed over the neighbours, the higher ones counting more: a rim,
 /// which echoes weakly, takes that of the surface beside it. Sticks without an edge take their
 /// neighbours'; without any, the volume's iso_level.
 ///
@@ -34,8 +35,9 @@ std::vector<std::vector<float>> level_sticks(const hw::AcquisitionPlan& plan,
                                              const EchoLevels& levels,
                                              double level);
 
-/// The share of the way from fluid to tissue below which no stick's level lies.
-inline constexpr double kLowestLevel = 0.45;
+/// The share of the way from fluid to tissue below which no stick's level lies: with no white
+/// sample, and linearly to that with kMuchWhite of tissue's samples (EchoLevels::white).
+inline constexpr double kLowestLevel = 0.45, kLowestOfWhite = 0.78, kMuchWhite = 0.1;
 /// Two-way -6 dB width of the beam, the greater of both directions, for which
 /// RayCastingOptions::below_tissue_db is given; in others the decibels are inverse to the width.
 inline constexpr double kWidthOfLevel_m = 2.4e-3;

@@ -132,17 +132,6 @@ TEST_F(RunOnAScan, OneFrameIsSaidToFillItsFan) {
             1);
 }
 
-TEST_F(RunOnAScan, CapsAreSaidToBeNoPartOfTheTruth) {
-  const auto said = [&](const Words& settings) {
-    return warnings(bench("run", {kSphere, kScan, kPicture, settings}),
-                    "render.ray_casting.caps = true: the truth has no caps");
-  };
-  const Words caps = set("render.ray_casting.caps=true");
-  EXPECT_EQ(said(caps), 1);
-  EXPECT_EQ(said(with(caps, {set("render.preset=baseline")})), 0);  // said to be without effect
-  EXPECT_EQ(said({}), 0);
-}
-
 /// The channels of an EXR by their names.
 std::map<std::string, std::vector<float>> channels_of(const fs::path& path) {
   const auto input = OIIO::ImageInput::open(path.string());

@@ -49,6 +49,12 @@ TEST(EchoLevels, AreTheMeansOfTheTwoKinds) {
   EXPECT_NEAR(levels.fluid, 0.1, 0.003);  // half a bin, and samples averaged across the edge
   EXPECT_NEAR(levels.tissue, 0.7, 0.003);
   EXPECT_NEAR(levels.at(0.5), 0.4, 0.003);
+  EXPECT_EQ(levels.white, 0);
+}
+
+TEST(EchoLevels, CountWhiteSamplesOfTissue) {
+  const EchoLevels levels = levels_of([](int k) { return k < 300 ? 0.1 : k % 4 == 0 ? 1.0 : 0.7; });
+  EXPECT_NEAR(levels.white, 0.25, 0.01);
 }
 
 TEST(EchoLevels, FollowTheDisplay) {

@@ -12,7 +12,7 @@ namespace wobblebench::render {
 namespace {
 
 constexpr int kFanFrames = 24, kFanLines = 48;
-const EchoLevels kTwoKinds{0.1, 0.7, true};
+const EchoLevels kTwoKinds{0.1, 0.7, true, 0};
 constexpr double kEdge_m = 0.09;
 
 hw::AcquisitionPlan fan() {
@@ -50,7 +50,7 @@ double below_share(double db) {
   return db * 2.4e-3 / std::max(width.lateral_m, width.elevation_m) / 60;
 }
 
-TEST(StickTwoKinds, LieBelowTheTissueBehindTheEdge) {
+TEST(StickLevels, LieBelowTheTissueBehindTheEdge) {
   const auto levels = stick_levels_of([](int line) { return line < kFanLines / 2 ? 0.7 : 0.55; }, kEdges);
   const std::size_t middle = std::size_t{kFanFrames / 2} * kFanLines;
   EXPECT_NEAR(levels[middle + 2], 0.7 - below_share(6), 2e-3);
@@ -58,7 +58,7 @@ TEST(StickTwoKinds, LieBelowTheTissueBehindTheEdge) {
   EXPECT_LT(levels[middle + kFanLines / 2], levels[middle + kFanLines / 2 - 6]);
 }
 
-TEST(StickTwoKinds, FollowDecibelsAndTheDisplay) {
+TEST(StickLevels, FollowDecibelsAndTheDisplay) {
   RenderOptions options;
   options.ray_casting.below_tissue_db = 3;
   const auto tissue = [](int) { return 0.7; };
@@ -67,13 +67,28 @@ TEST(StickTwoKinds, FollowDecibelsAndTheDisplay) {
   EXPECT_NEAR(stick_levels_of(tissue, kEdges, options).front(), 0.7 - below_share(3) / 2, 2e-3);
 }
 
-TEST(StickTwoKinds, AreNoHigherThanTissueAllowsAndNoLowerThanAShare) {
+TEST(StickLevels, AreNoHigherThanTissueAllowsAndNoLowerThanAShare) {
   // Bone echoes more than tissue; what hardly echoes is not taken for a surface of its own.
   EXPECT_NEAR(stick_levels_of([](int) { return 1.0; }, kEdges).front(), 0.7 - below_share(6), 2e-3);
   EXPECT_NEAR(stick_levels_of([](int) { return 0.2; }, kEdges).front(), 0.1 + 0.45 * 0.6, 2e-3);
 }
 
-TEST(StickTwoKinds, WithoutAnEdgeAreTheNeighboursAndWithoutAnyTheVolumes) {
+TEST(StickLevels, AreHigherWhereTissueIsWhite) {
+  const hw::AcquisitionPlan scan = fan();
+  const auto level = [&](double white) {
+    return find_stick_levels(scan,
+                             fan_frames([](int) { return 0.2; }),
+                             kEdges,
+                             {0.1, 0.7, true, white},
+                             hw::BeamWidths(scan),
+                             {})
+        .front();
+  };
+  EXPECT_NEAR(level(0.5), 0.1 + 0.78 * 0.6, 2e-3);
+  EXPECT_NEAR(level(0.05), 0.1 + 0.5 * (0.45 + 0.78) * 0.6, 2e-3);
+}
+
+TEST(StickLevels, WithoutAnEdgeAreTheNeighboursAndWithoutAnyTheVolumes) {
   std::vector<double> edges = kEdges;
   edges[std::size_t{5} * kFanLines + 9] = kNoEdge;
   const auto tissue = [](int) { return 0.6; };
@@ -82,7 +97,7 @@ TEST(StickTwoKinds, WithoutAnEdgeAreTheNeighboursAndWithoutAnyTheVolumes) {
   EXPECT_NEAR(stick_levels_of(tissue, edges).front(), 0.1 + 0.72 * 0.6, 1e-9);
 }
 
-TEST(StickTwoKinds, AreReadInFrontOfAFallingEdge) {
+TEST(StickLevels, AreReadInFrontOfAFallingEdge) {
   RenderOptions options;
   options.ray_casting.edge = EdgeSign::falling;
   const hw::AcquisitionPlan scan = fan();
