@@ -9,8 +9,7 @@ import unittest
 SCRIPT = pathlib.Path(__file__).resolve().parents[2] / "script/lines"
 
 # Name, text, and the lines of it that count.
-FILES = [
-    ("a.cpp", '// comment\n\nint a;  // code and comment\n/* two\nlines */\n/* comment */ int b;\n', 2),
+FILES = [("a.cpp", '// comment\n\nint a;  // code and comment\n/* two\nlines */\n/* comment */ int b;\n', 2),
     ("a.h", '#pragma once\n// comment \\\n   which goes on\nint a;\n', 2),
     ("strings.cpp", 'auto url = "https://a/*";\nauto raw = R"x(\n// text\n/* text)"\n)x";\nint big = 1\'000;  // comment\n'
                     "char quote = '\"';  // comment\n/* comment */\n", 7),
@@ -27,11 +26,9 @@ FILES = [
     ("document.sh", "cat <<'END'\n# text\n\nIt's text.\nEND\n# comment\ncat <<<word\n# comment\n", 5),
     ("within.sh", 'a="$(f "b # c" \'"\')"\n# comment\n', 1),
     ("CMakeLists.txt", '# comment\nproject(a)  # comment\nset(b "\n# text")\nset(c [=[\n# text\n]=])\n#[[ comment\ncomment ]]\n', 6),
-    ("a.cmake", 'set(a "\\"# text")\n# comment\n', 1),
-    ("Snakefile", "# comment\nrule all:\n    input: 'a'\n", 2),
+    ("a.cmake", 'set(a "\\"# text")\n# comment\n', 1), ("Snakefile", "# comment\nrule all:\n    input: 'a'\n", 2),
     ("python", '#!/usr/bin/env python3\n"""Docstring."""\na = 1\n', 1),
-    ("shell", "#!/usr/bin/env bash\ncd a  # comment\n", 1),
-]
+    ("shell", "#!/usr/bin/env bash\ncd a  # comment\n", 1)]
 OF_NO_LANGUAGE = [("a.toml", "a = 1\n"), ("a.md", "words\n"), ("text", "words\n"), ("empty", "")]
 
 

@@ -56,8 +56,7 @@ class Skips(unittest.TestCase):
 
     def test_each_runner_s_cases_are_named_with_their_reasons(self):
         said = self.after(**{"hw_test.Fifo": GOOGLETEST, "exchange_export": UNITTEST, "pages_test.run": NODE})
-        self.assertEqual(said, [
-            "test: skipped hw_test.Fifo.CanBeRead: root may read everything",
+        self.assertEqual(said, ["test: skipped hw_test.Fifo.CanBeRead: root may read everything",
             'test: skipped hw_test.All/Fifo.Is/0: where GetParam() = "egl"',
             "test: skipped exchange_export.test_b: no plastimatch",
             "test: skipped exchange_export.test_c: VTK's reader is absent",

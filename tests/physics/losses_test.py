@@ -59,8 +59,7 @@ class Attenuation(scan.Worst):
             for preset in PRESETS:
                 band = scan.Band(preset)
                 for material in ("brain", "soft_tissue", "uterus_wall"):
-                    with_loss, without = (
-                        numpy.mean([power(scan.even(material), scan.probe(preset), BARE, rung, plan,
+                    with_loss, without = (numpy.mean([power(scan.even(material), scan.probe(preset), BARE, rung, plan,
                                           {"simulation.seed": seed, "simulation.attenuation": lossy}).mean(axis=(0, 1)) for seed in seeds], 0)
                         for lossy in (True, False))
                     ranges = scan.ranges_mm(160, len(without))

@@ -41,8 +41,7 @@ class Points(scan.Worst):
             stick = lines[beyond, window]
             radius = PRESETS[preset].radius * 1e3 + depth
             lever = scan.motor_lever(PRESETS[preset], theta, depth * 1e-3) * 1e3
-            widths = {
-                "lateral": full_width(numpy.arange(len(across)) * step * DEGREE * radius, across),
+            widths = {"lateral": full_width(numpy.arange(len(across)) * step * DEGREE * radius, across),
                 "elevation": full_width(numpy.arange(FRAMES) * FRAME_STEP_DEG * DEGREE * lever, peak(frames[:, coarse_window])),
                 "axial": full_width(ranges[window], stick)}
             part = "axis" if at == 0 else "edge"

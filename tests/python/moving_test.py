@@ -16,27 +16,13 @@ RADIUS_MM = 18
 FRAMES, LINES = 17, 32
 VOLUME_S = FRAMES * LINES * (2 * 0.16 / 1540 + 50e-6)
 LATER = 3
-SETTINGS = {
-    "phantom.name": "sphere",
-    "phantom.radius_mm": RADIUS_MM,
-    "phantom.voxel_mm": 1,
-    "placement.position_mm": [6, -4, 100],
-    "motion.velocity_mm_s": SPEED_MM_S.tolist(),
-    "acquisition.depth_mm": 160,
-    "acquisition.sound_speed_m_s": 1540,
-    "acquisition.dead_time_us": 50,
-    "acquisition.frames_per_volume": FRAMES,
-    "acquisition.sticks_per_frame": LINES,
-    "acquisition.samples_per_stick": 256,
-    "simulation.speckle": False,
-    "render.view.yaw_deg": 25,
-    "render.view.pitch_deg": -15,
-    "render.volume_of_interest.center_mm": [0, 0, 105],
-    "render.volume_of_interest.size_mm": [90, 90, 90],
-    "render.scan_conversion.slice_size": 128,
-    "render.ray_casting.image_size": 96,
-    "render.ray_casting.steps": 128,
-}
+SETTINGS = {"phantom.name": "sphere", "phantom.radius_mm": RADIUS_MM, "phantom.voxel_mm": 1,
+    "placement.position_mm": [6, -4, 100], "motion.velocity_mm_s": SPEED_MM_S.tolist(), "acquisition.depth_mm": 160,
+    "acquisition.sound_speed_m_s": 1540, "acquisition.dead_time_us": 50, "acquisition.frames_per_volume": FRAMES,
+    "acquisition.sticks_per_frame": LINES, "acquisition.samples_per_stick": 256, "simulation.speckle": False,
+    "render.view.yaw_deg": 25, "render.view.pitch_deg": -15, "render.volume_of_interest.center_mm": [0, 0, 105],
+    "render.volume_of_interest.size_mm": [90, 90, 90], "render.scan_conversion.slice_size": 128,
+    "render.ray_casting.image_size": 96, "render.ray_casting.steps": 128}
 
 
 def run_program(*arguments, code=0):

@@ -54,13 +54,11 @@ def with_own_sector(**fields):
     return dataclasses.replace(probe, sector=(probe.elements - 1) * probe.pitch / probe.radius)
 
 
-PRESETS = {
-    "standard": Probe(),
+PRESETS = {"standard": Probe(),
     "c5_2v": with_own_sector(radius=49.57e-3, centre_frequency=3.57e6, bandwidth=0.79, pitch=0.508e-3,
                              elevation_focus=60e-3),
     "curvilinear_60": with_own_sector(radius=60e-3, centre_frequency=3.0e6, bandwidth=1.0,
-                                      pitch=0.477e-3, height=14e-3, elevation_focus=50e-3),
-}
+                                      pitch=0.477e-3, height=14e-3, elevation_focus=50e-3)}
 
 
 class Band:

@@ -71,8 +71,7 @@ class Beam(unittest.TestCase):
             weights.append((share[used][:, None] / path).ravel())
         late = (paths[0][:, None] + paths[1] - 2 * gate) / es.SOUND_SPEED
         half_width = probe.bandwidth * probe.centre_frequency / 2
-        pulse = np.exp(-(math.pi * half_width * late) ** 2 / math.log(2)
-                       - 2j * math.pi * probe.centre_frequency * late)
+        pulse = np.exp(-(math.pi * half_width * late) ** 2 / math.log(2) - 2j * math.pi * probe.centre_frequency * late)
         return abs(weights[0] @ pulse @ weights[1])
 
     def test_width_at_the_focus(self):
@@ -89,8 +88,7 @@ class Beam(unittest.TestCase):
 
     def test_axial_width_is_the_pulse_s(self):
         self.assertAlmostEqual(STANDARD.axial_fwhm, 0.8825 * 770 / (0.6 * 3.5e6), delta=1e-7)
-        self.assertAlmostEqual(PointSpread(STANDARD, 0.0, FOCUS).axial_width() / STANDARD.axial_fwhm, 1,
-                               delta=0.03)
+        self.assertAlmostEqual(PointSpread(STANDARD, 0.0, FOCUS).axial_width() / STANDARD.axial_fwhm, 1, delta=0.03)
 
     def test_power_through_a_plane_is_the_same_at_each_depth(self):
         powers = [self.power_through(depth) for depth in (40e-3, 75e-3, 110e-3)]
@@ -168,8 +166,7 @@ class Tables(unittest.TestCase):
               "neighbours": [(75,)], "moved": [(62,)], "attenuation": [(0.5, 75)],
               "short_arrays": [(16, 6, 75)], "wide_elements": [(2, 140)],
               "tissue_band": [("standard", 0, 60), ("c5_2v", 1, 30)], "shadow": [("lateral", 130)],
-              "stick_beam": [("standard", 1.0, 30)],
-              "echo_points": [(7, 0.4, 75)], "echoes": [(7, 0.4, 75)],
+              "stick_beam": [("standard", 1.0, 30)], "echo_points": [(7, 0.4, 75)], "echoes": [(7, 0.4, 75)],
               "main_lobe_points": [(7, 0.4, 75)], "main_lobe_echoes": [(7, 0.4, 75)]}
 
     def test_rows_are_remade_equal(self):

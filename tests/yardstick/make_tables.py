@@ -151,8 +151,7 @@ def random_points(place, lateral, elevation, draw):
     depth = PLACES[place][1]
     draw = random.Random(f"{draw} {place}")
     return [(round(depth + draw.uniform(-1.5, 1.5), 3), round(draw.uniform(-lateral, lateral), 3),
-             round(draw.uniform(-elevation, elevation), 3),
-             round(draw.uniform(0.2, 1) * draw.choice((-1, 1)), 3))
+             round(draw.uniform(-elevation, elevation), 3), round(draw.uniform(0.2, 1) * draw.choice((-1, 1)), 3))
             for _ in range(POINTS_PER_PLACE)]
 
 
@@ -183,8 +182,7 @@ def echo_envelope(points_of, place, fraction, depth_mm):
 
 
 def echo_point_table(which, points_of):
-    return Table(
-        f"Standard probe: {which}, in their stick's coordinates: axial: range from the face "
+    return Table(f"Standard probe: {which}, in their stick's coordinates: axial: range from the face "
         "along the stick, lateral: across it towards larger stick angles, elevation: towards +y of the "
         "probe frame (smaller motor angles), straight lengths; amplitude: echo factor of a point",
         ("place", "sector_fraction", "depth_mm"), ("axial_mm", "lateral_mm", "elevation_mm", "amplitude"),
@@ -192,21 +190,17 @@ def echo_point_table(which, points_of):
 
 
 def echo_table(points_of):
-    return Table(
-        "Standard probe: envelope of the summed echo of a place's points on the stick at sector_fraction x "
+    return Table("Standard probe: envelope of the summed echo of a place's points on the stick at sector_fraction x "
         "38.5 deg, motor at rest, re the envelope's peak for one point of amplitude 1 on the middle "
-        "stick's axis at depth_mm",
-        ("place", "sector_fraction", "depth_mm"), ("range_mm", "envelope"),
+        "stick's axis at depth_mm", ("place", "sector_fraction", "depth_mm"), ("range_mm", "envelope"),
         [(i, *place) for i, place in enumerate(PLACES)], functools.partial(echo_envelope, points_of))
 
 
-TABLES = {
-    "point_widths": Table(
+TABLES = {"point_widths": Table(
         "A point on a stick's axis: -6 dB full widths of the peak envelope as sticks (lateral) and frames "
         "(elevation) turn past it, and of the echo along the stick (axial), each between the first places "
         "on either side of the maximum; level of its echo on that stick re the preset's axis at 75 mm; "
-        "no frequency below 0.2 of the centre's",
-        ("preset", "sector_fraction", "depth_mm"),
+        "no frequency below 0.2 of the centre's", ("preset", "sector_fraction", "depth_mm"),
         ("theta_deg", "lateral_mm", "elevation_mm", "axial_mm", "level_db"), every_stick(), point_widths),
     "stick_beam": Table(
         "Width of a stick's own beam: -6 dB full width of the peak envelope of points at offsets across a "
@@ -223,37 +217,29 @@ TABLES = {
         "Speckle of the default scan, middle stick, standard probe: intensity correlation of neighbouring "
         "lines (77 deg / 63 apart) and frames (61 deg / 36)",
         ("depth_mm",), ("line_spacing_mm", "line_correlation", "frame_spacing_mm", "frame_correlation"),
-        [(depth,) for depth in DEPTHS_MM], neighbours),
-    "moved": Table(
+        [(depth,) for depth in DEPTHS_MM], neighbours), "moved": Table(
         "Standard probe, middle stick: intensity correlation of tissue's speckle before and after it has "
         f"moved {MOVED_MM} mm along the stick",
-        ("depth_mm",), ("correlation",), [(depth,) for depth in range(46, 85, 4)], moved),
-    "attenuation": Table(
+        ("depth_mm",), ("correlation",), [(depth,) for depth in range(46, 85, 4)], moved), "attenuation": Table(
         "Standard probe, axis, all tissue attenuating: echo of a point re none, closed form of the loss at "
         "3.5 MHz alone, centroid of the echo's power spectrum, -6 dB widths as in point_widths.csv",
         ("alpha_db_cm_mhz", "depth_mm"),
         ("level_db", "centre_frequency_loss_db", "centre_mhz", "axial_mm", "lateral_mm", "elevation_mm"),
-        [(alpha, depth) for alpha in (0, 0.3, 0.5, 1.0) for depth in DEPTHS_MM], attenuation),
-    "short_arrays": Table(
+        [(alpha, depth) for alpha in (0, 0.3, 0.5, 1.0) for depth in DEPTHS_MM], attenuation), "short_arrays": Table(
         "Standard probe with fewer elements, an array shorter than the aperture that the F-number asks for: echo "
         "of a point on the axis of the stick at an angle re the middle stick's at the same depth. All elements "
-        "within that length about the stick are used",
-        ("elements", "angle_deg", "depth_mm"), ("level_db",),
+        "within that length about the stick are used", ("elements", "angle_deg", "depth_mm"), ("level_db",),
         [(elements, angle, depth) for elements in (1, 16, 32) for angle in (2, 6) for depth in (75, 110, 150)],
-        short_arrays),
-    "wide_elements": Table(
+        short_arrays), "wide_elements": Table(
         "Standard probe with wider and fewer elements: width of the middle stick's own beam, as in stick_beam.csv",
         ("pitch_mm", "depth_mm"), ("elements", "lateral_mm"),
-        [(pitch, depth) for pitch in (0.84, 1.3, 2) for depth in (60, 100, 140)], wide_elements),
-    "tissue_band": Table(
+        [(pitch, depth) for pitch in (0.84, 1.3, 2) for depth in (60, 100, 140)], wide_elements), "tissue_band": Table(
         "Even tissue without losses: the share of each of 72 evenly spaced frequencies in the mean echo power of "
         "a stick. Losses that grow with frequency multiply each share by its own; their sum is the power that "
-        "is left. No frequency below 0.2 of the centre's",
-        ("preset", "sector_fraction", "depth_mm"), ("mhz", "share"),
+        "is left. No frequency below 0.2 of the centre's", ("preset", "sector_fraction", "depth_mm"), ("mhz", "share"),
         [(preset, fraction, depth) for preset in es.PRESETS
          for fraction, depths in ((0, (20, 30, 40, 60, 80, 100, 120, 140)), (1, (30, 60, 100, 140))) for depth in depths],
-        tissue_band),
-    "shadow": Table(
+        tissue_band), "shadow": Table(
         "Standard probe: mean echo power of even tissue re no plane, behind a half plane at 60 mm that "
         "passes 0.1 of the amplitude each way and lies at lateral > 0 (or elevation > 0); crossing: where "
         "the stick's axis meets the plane, from its edge; rise: 10-90 % of amplitude, same for the block",
@@ -261,12 +247,9 @@ TABLES = {
         [(edge, depth) for edge in ("lateral", "elevation") for depth in (65, 75, 80, 100, 130)], half_plane),
     "echo_points": echo_point_table(
         "points of echoes.csv, within 6 mm across the stick and 5 mm across the image plane", echo_points),
-    "echoes": echo_table(echo_points),
-    "main_lobe_points": echo_point_table(
+    "echoes": echo_table(echo_points), "main_lobe_points": echo_point_table(
         "points of main_lobe_echoes.csv, within 0.57 of the ways to the first zeros of the focused beam",
-        main_lobe_points),
-    "main_lobe_echoes": echo_table(main_lobe_points),
-}
+        main_lobe_points), "main_lobe_echoes": echo_table(main_lobe_points)}
 
 
 def lines_of(job):

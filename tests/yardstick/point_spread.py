@@ -28,8 +28,7 @@ def full_width(x, y, level=0.5):
 def peak_of_samples(envelope):
     """Maximum of each row, through the logarithms of the highest sample and its neighbours."""
     at = np.clip(envelope.argmax(-1), 1, envelope.shape[-1] - 2)[..., None]
-    left, mid, right = (np.log(np.take_along_axis(envelope, at + d, -1)[..., 0] + 1e-300)
-                        for d in (-1, 0, 1))
+    left, mid, right = (np.log(np.take_along_axis(envelope, at + d, -1)[..., 0] + 1e-300) for d in (-1, 0, 1))
     bend = np.minimum(left - 2 * mid + right, -1e-12)
     inside = mid > np.maximum(left, right)  # not where the window ends, or nothing echoes
     return np.where(inside, np.exp(mid - inside * (left - right) ** 2 / 8 / bend), envelope.max(-1))
@@ -67,8 +66,7 @@ class PointSpread:
     def lateral_curve(self, offsets):
         """Peak echo as sticks pass the point at `offsets`, lengths at its range."""
         turns = offsets / (self.probe.radius + self.depth)
-        return np.array([peak_of_samples(self.echo(self.point, self.theta + t, self.gates))[0]
-                         for t in turns])
+        return np.array([peak_of_samples(self.echo(self.point, self.theta + t, self.gates))[0] for t in turns])
 
     def beam_curve(self, offsets):
         """Peak echo of points at `offsets` across the stick, which stays where it is."""
@@ -78,8 +76,7 @@ class PointSpread:
     def elevation_curve(self, offsets):
         """Peak echo as frames pass the point at `offsets`."""
         lever = es.motor_lever(self.probe, self.theta, self.depth)
-        points = np.concatenate(
-            [es.seen_by_turned_probe(self.probe, self.point, o / lever) for o in offsets])
+        points = np.concatenate([es.seen_by_turned_probe(self.probe, self.point, o / lever) for o in offsets])
         return peak_of_samples(self.echo(points, self.theta, self.gates))
 
     def lateral_width(self):

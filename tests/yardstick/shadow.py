@@ -75,14 +75,12 @@ def height_mask(scene, points, crossing):
 
 
 def turned(across, along, angle):
-    return (across * math.cos(angle) + along * math.sin(angle),
-            along * math.cos(angle) - across * math.sin(angle))
+    return (across * math.cos(angle) + along * math.sin(angle), along * math.cos(angle) - across * math.sin(angle))
 
 
 def power(scene, response, active):
     sums = [np.einsum("pef,ef->pf", response, weights[active]) for weights in (
-        es.transmit(scene.probe, scene.band, 0.0),
-        es.receive(scene.probe, scene.band, 0.0, scene.depth))]
+        es.transmit(scene.probe, scene.band, 0.0), es.receive(scene.probe, scene.band, 0.0, scene.depth))]
     return float(np.sum(np.abs(sums[0] * sums[1]) ** 2 * scene.pulse_power))
 
 

@@ -30,8 +30,7 @@ class Speckle:
         geometric = probe.transmit_focus / probe.f_number / 2 * abs(1 - depth / probe.transmit_focus)
         long_wave = es.SOUND_SPEED / (probe.centre_frequency * (1 - probe.bandwidth / 3)) * depth
         lateral = min(8 * long_wave / got, geometric + 3.5 * long_wave / sent)
-        elevation = (probe.height / 2 * abs(1 - depth / probe.elevation_focus)
-                     + 3 * long_wave / probe.height)
+        elevation = (probe.height / 2 * abs(1 - depth / probe.elevation_focus) + 3 * long_wave / probe.height)
         self.lateral = lattice(wider * lateral, 0.85 / finer * reach / (sent + got))
         self.elevation = lattice(wider * elevation, 0.85 / finer * reach / (2 * probe.height))
         self.cell_area = np.diff(self.lateral[:2])[0] * np.diff(self.elevation[:2])[0]
@@ -48,8 +47,7 @@ class Speckle:
             lambda t: es.receive(self.probe, self.band, t, self.depth))]
         parts = []
         for some in np.array_split(points, 1 + len(points) // 200):
-            response = np.ascontiguousarray(
-                es.element_response(self.probe, self.band, some, active).transpose(2, 1, 0))
+            response = np.ascontiguousarray(es.element_response(self.probe, self.band, some, active).transpose(2, 1, 0))
             parts.append((weights[0] @ response) * (weights[1] @ response))
         return np.concatenate(parts, -1)
 

@@ -16,14 +16,9 @@ RADIUS_MM, CENTER_MM = 20.0, numpy.array([7.0, -5.0, 108.0])
 SMALL = ["render.ray_casting.image_size=128", "acquisition.frames_per_volume=21"]
 BALL = ["phantom.name=sphere", "placement.position_mm=[7, -5, 108]"]
 ASKEW = ["render.view.yaw_deg=25", "render.view.pitch_deg=-15", "render.view.roll_deg=10"]
-SCENES = {
-    "face": [],
-    "other seed": ["simulation.seed=7", "render.view.flip=true"],
-    "low threshold": BALL + ["acquisition.fan_deg=14", "render.view.pitch_deg=50",
-                             "render.ray_casting.iso_level=0.4"],
-    "askew": BALL + ASKEW,
-    "perspective": BALL + ASKEW + ["render.view.projection=perspective"],
-}
+SCENES = {"face": [], "other seed": ["simulation.seed=7", "render.view.flip=true"],
+    "low threshold": BALL + ["acquisition.fan_deg=14", "render.view.pitch_deg=50", "render.ray_casting.iso_level=0.4"],
+    "askew": BALL + ASKEW, "perspective": BALL + ASKEW + ["render.view.projection=perspective"]}
 
 
 def channels(path):

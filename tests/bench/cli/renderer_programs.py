@@ -47,8 +47,7 @@ def check_example(name, p95_mm):
 
 def check_request():
     """The request's two volumes hold the same samples at the places that its numbers say."""
-    done = run(answering("json.dump(request, open(%r, 'w'))\n"
-                         "for name in ('polar', 'cartesian'):\n"
+    done = run(answering("json.dump(request, open(%r, 'w'))\n" "for name in ('polar', 'cartesian'):\n"
                          "    np.save(%r + name, np.load(request[name]['file']))\n"
                          "np.save(request['depth'], np.full((n, n), 50.0))\n"
                          "print('done', flush=True)" % (os.path.join(FOLDER, "request.json"), FOLDER + "/")),

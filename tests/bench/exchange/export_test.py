@@ -205,8 +205,7 @@ class Ball(InFolder):
                     for far, expected in ((0.9, True), (1.1, False)):
                         at = BALL.copy()
                         at[axis] += sign * far * RADIUS
-                        text = subprocess.run(
-                            ["plastimatch", "probe", "--location", " ".join(map(str, at)),
+                        text = subprocess.run(["plastimatch", "probe", "--location", " ".join(map(str, at)),
                              self.path(name + "_labels.nrrd")], capture_output=True, text=True, check=True).stdout
                         inside = float(text.split(";")[-1]) == self.inside_label(name)
                         self.assertEqual(inside, expected, (name, at, text))
@@ -224,8 +223,7 @@ class Slices(InFolder):
             run("export", "sim", *BALL_SCENE, *settings(
                 f"acquisition.motor={motor}", "render.reconstruction.sticks=plain",
                 "render.scan_conversion.filter_size=1", "render.ray_casting.kernel_3d=1",
-                "render.scan_conversion.format=r32f",
-                "render.scan_conversion.slice_size=200"), "--volumes", 2, "--to",
+                "render.scan_conversion.format=r32f", "render.scan_conversion.slice_size=200"), "--volumes", 2, "--to",
                 self.path(f"{motor}.npz") + ",content=polar", "--to", self.path(f"{motor}_slices.npz") + ",content=slices")
             scan, made = np.load(self.path(f"{motor}.npz")), np.load(self.path(f"{motor}_slices.npz"))
             self.assertEqual(int(made["volume"]), 1)

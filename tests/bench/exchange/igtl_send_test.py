@@ -109,8 +109,7 @@ class Sent(InFolder):
             newest_s = ((volume + 1) * STICKS - 1) * PERIOD_S
             self.assertAlmostEqual(last.seconds, newest_s, 8)
             self.assertAlmostEqual(float(last.metadata["wobblebench_newest_stick_s"]), newest_s, 8)
-            self.assertAlmostEqual(float(last.metadata["wobblebench_first_stick_s"]),
-                                   volume * STICKS * PERIOD_S, 8)
+            self.assertAlmostEqual(float(last.metadata["wobblebench_first_stick_s"]), volume * STICKS * PERIOD_S, 8)
             self.assertEqual(last.metadata["wobblebench_lost_sticks"], "0")
             self.assertEqual(last.metadata["wobblebench_source"], "simulated")
             self.assertGreater(float(last.metadata["wobblebench_age_newest_ms"]), 0)
@@ -272,8 +271,7 @@ class Library(InFolder):
         self.assertEqual([int(word) for word in words[3:5]], [len(points), len(corners)])
         np.testing.assert_allclose([float(word) for word in words[5:8]], points.mean(0, dtype=float), atol=1e-3)
         matrix = igtl.transform(stream.of("MotorToProbe")[-1])
-        np.testing.assert_allclose([float(word) for word in last["MotorToProbe"][3:]], matrix[:3].ravel(),
-                                   atol=1e-5)
+        np.testing.assert_allclose([float(word) for word in last["MotorToProbe"][3:]], matrix[:3].ravel(), atol=1e-5)
 
     @unittest.skipUnless("WOBBLEBENCH_IGTL_RECEIVE_CLIENT" in os.environ, "built without openigtlink-examples")
     def test_its_example_reads_every_message(self):

@@ -25,7 +25,6 @@ for header in sorted(include_dir.glob("wobblebench/**/*.h")):
         functions.append(f"// {name}\nvoid example_{len(functions) + 1}() {{\n{body}\n}}\n")
 if without:
     sys.exit("no example in: " + ", ".join(without))
-output.write_text(
-    "\n".join(sorted(includes)) + "\n\nnamespace wobblebench {\n\n" + "\n".join(functions)
+output.write_text("\n".join(sorted(includes)) + "\n\nnamespace wobblebench {\n\n" + "\n".join(functions)
     + "\n}  // namespace wobblebench\n")
 print(f"{len(functions)} examples")
