@@ -28,17 +28,20 @@ void on_crash(int) {
   ::_exit(kFailed);
 }
 
-void do_nothing(int) {}
-
-void explain_crashes(const char* program) {
+void explain_crashes([[maybe_unused]] const char* program) {
 #if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
   const std::string limit = address_space_limit();
   if (limit.empty()) return;
   last_line = std::string(program) + ": out of memory" + limit +
               ", for want of which the program crashed\n";
-  for (const int signal : {SIGSEGV, SIGBUS, SIGABRT}) std::signal(signal, on_crash);
-#else
-  static_cast<void>(program);
+  // On a stack of its own: what could not grow may be the main thread's.
+  static char room[65536];
+  const stack_t stack{.ss_sp = room, .ss_flags = 0, .ss_size = sizeof room};
+  ::sigaltstack(&stack, nullptr);
+  struct sigaction action {};
+  action.sa_handler = on_crash;
+  action.sa_flags = SA_ONSTACK;
+  for (const int signal : {SIGSEGV, SIGBUS, SIGABRT}) ::sigaction(signal, &action, nullptr);
 #endif
 }
 
@@ -48,14 +51,10 @@ void ignore_relative_cache_home() {
   if (folder != nullptr && folder[0] != '/') ::unsetenv("XDG_CACHE_HOME");
 }
 
-/// As Mesa finds it; empty: nowhere.
-fs::path shader_cache() {
-  const char* folder = std::getenv("MESA_SHADER_CACHE_DIR");
-  return folder != nullptr ? fs::path(folder) : cache_home().value_or("");
-}
-
+/// Where Mesa puts it.
 void avoid_a_full_shader_cache() {
-  fs::path folder = shader_cache();
+  const char* named = std::getenv("MESA_SHADER_CACHE_DIR");
+  fs::path folder = named != nullptr ? fs::path(named) : cache_home().value_or("");
   struct statvfs disk {};
   while (!folder.empty() && ::statvfs(folder.c_str(), &disk) != 0) {
     if (folder == folder.parent_path()) return;
@@ -76,7 +75,7 @@ std::string address_space_limit() {
 
 void expect_machine_limits(const char* program) {
   // A handler, unlike SIG_IGN, is not passed on to programs that this one starts.
-  std::signal(SIGXFSZ, do_nothing);
+  std::signal(SIGXFSZ, [](int) {});
   explain_crashes(program);
   ignore_relative_cache_home();
   avoid_a_full_shader_cache();

@@ -4,6 +4,7 @@
 #include <condition_variable>
 #include <exception>
 #include <mutex>
+#include <new>
 #include <stdexcept>
 #include <thread>
 #include <utility>
@@ -108,6 +109,8 @@ void Running::read() {
     reader_.run();
     board_.cancel();  // more sticks would only be counted
   } catch (const UserError&) {
+    end(std::current_exception());
+  } catch (const std::bad_alloc&) {
     end(std::current_exception());
   } catch (const std::exception& error) {
     // What came before it is shown.
