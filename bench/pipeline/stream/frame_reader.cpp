@@ -282,4 +282,56 @@ void FrameReader::leave_volume() {
   finished_.clear();
 }
 
+void FrameSource::start() {
+  if (queue_) return;
+  StreamSource source = open_();
+  const std::lock_guard lock(starting_);
+  source_.emplace(std::move(source)).board.start();
+  queue_.emplace(QueueOptions{.policy = StreamPolicy::every});
+  if (is_stopped_) queue_->stop();
+  thread_ = std::jthread([this] {
+    try {
+      FrameReader(*source_, *queue_, /*volumes=*/0, /*keep_volume=*/false).run();
+    } catch (...) {
+      failure_ = std::current_exception();
+      queue_->close();
+    }
+  });
+}
+
+std::optional<StreamFrame> FrameSource::next() {
+  const std::lock_guard lock(reading_);
+  return read_frame();
+}
+
+std::optional<StreamFrame> FrameSource::read_frame() {
+  start();
+  auto frame = queue_->pop();
+  if (frame) return frame;
+  if (thread_.joinable()) thread_.join();
+  if (failure_) std::rethrow_exception(std::exchange(failure_, nullptr));
+  return std::nullopt;
+}
+
+bool FrameSource::next_volume(const std::function<void(const StreamFrame&)>& take) {
+  const std::lock_guard lock(reading_);
+  while (const auto frame = read_frame()) {
+    take(*frame);
+    if (frame->ends_volume) return true;
+  }
+  return false;
+}
+
+void FrameSource::stop() {
+  const std::lock_guard lock(starting_);
+  is_stopped_ = true;
+  if (queue_) queue_->stop();
+  if (source_) source_->board.cancel();
+}
+
+std::optional<hw::BoardAccount> FrameSource::account() const {
+  const std::lock_guard lock(starting_);
+  return source_ ? std::optional(source_->board.account()) : std::nullopt;
+}
+
 }  // namespace wobblebench::bench

@@ -2,8 +2,12 @@
 #pragma once
 
 #include <cstdint>
+#include <exception>
+#include <functional>
+#include <mutex>
 #include <optional>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "bench/pipeline/stream/stream_queues.h"
@@ -96,6 +100,40 @@ class FrameReader {
   bool is_checked_ = false;             ///< the samples of the first whole volume
   ReceivedSamples samples_;             ///< of the last volume that was checked
   std::optional<KeptVolume> kept_;
+};
+
+/// The frames of a source for callers on any threads. Read from the first call on, on a thread of
+/// its own that waits for the callers: frames are dropped by a card alone, and counted.
+class FrameSource {
+ public:
+  /// `open` is called once it is read, and again where it threw.
+  explicit FrameSource(std::function<StreamSource()> open) : open_(std::move(open)) {}
+  ~FrameSource() { stop(); }
+  FrameSource(const FrameSource&) = delete;
+  FrameSource& operator=(const FrameSource&) = delete;
+
+  /// None: the stream is over. Throws what ended it.
+  std::optional<StreamFrame> next();
+  /// Gives `take` the frames up to the end of a volume, of which no other caller gets one. False:
+  /// the stream is over. Throws what ended it.
+  bool next_volume(const std::function<void(const StreamFrame&)>& take);
+  /// Ends the calls of other threads, and the stream.
+  void stop();
+  /// None before the first frame was asked for.
+  std::optional<hw::BoardAccount> account() const;
+
+ private:
+  void start();
+  std::optional<StreamFrame> read_frame();  ///< with reading_
+
+  const std::function<StreamSource()> open_;
+  std::mutex reading_;           ///< of those that call next…()
+  mutable std::mutex starting_;  ///< of what follows
+  bool is_stopped_ = false;
+  std::optional<StreamSource> source_;
+  std::optional<VolumeQueue> queue_;
+  std::exception_ptr failure_;  ///< of the thread, once that has ended
+  std::jthread thread_;         ///< last: joined before what it uses is destroyed
 };
 
 }  // namespace wobblebench::bench

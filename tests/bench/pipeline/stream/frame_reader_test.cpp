@@ -4,12 +4,16 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
+#include <atomic>
 #include <chrono>
 #include <cmath>
 #include <cstdint>
 #include <set>
 #include <stdexcept>
 #include <string>
+#include <thread>
+#include <utility>
 #include <vector>
 
 #include "base/user_error.h"
@@ -205,44 +209,28 @@ TEST(FrameReader, AnAcquisitionThatChangesEndsTheStream) {
 }
 
 /// What a configuration says of the samples beside their acquisition, each part changed alone.
-constexpr int kParts = 7;
-void change(hw::ConfigurationPacket& packet, int part) {
-  switch (part) {
-    case 0:
-      packet.subject.phantom ^= 0x80;
-      break;
-    case 1:
-      packet.subject.placement ^= 1;
-      break;
-    case 2:
-      packet.subject.motion ^= 4;
-      break;
-    case 3:
-      packet.source = hw::StreamOrigin::hardware;
-      break;
-    case 4:
-      packet.display_scale.full_scale_db += 3;
-      break;
-    case 5:
-      packet.display_scale.dynamic_range_db += 3;
-      break;
-    default:
-      packet.display_scale.tgc_db_per_cm_mhz += 0.1;
-  }
-}
+using Packet = hw::ConfigurationPacket;
+constexpr std::array<void (*)(Packet&), 7> kChanges{
+    [](Packet& packet) { packet.subject.phantom ^= 0x80; },
+    [](Packet& packet) { packet.subject.placement ^= 1; },
+    [](Packet& packet) { packet.subject.motion ^= 4; },
+    [](Packet& packet) { packet.source = hw::StreamOrigin::hardware; },
+    [](Packet& packet) { packet.display_scale.full_scale_db += 3; },
+    [](Packet& packet) { packet.display_scale.dynamic_range_db += 3; },
+    [](Packet& packet) { packet.display_scale.tgc_db_per_cm_mhz += 0.1; }};
 
 /// Volumes of one body and, from volume `changed` on, of another or on another scale. Each volume's
 /// configuration but the first may be lost.
 std::vector<hw::Bytes> changing(const hw::AcquisitionPlan& plan,
                                 std::uint32_t changed,
-                                int part,
+                                std::size_t part,
                                 const std::set<std::uint32_t>& lost) {
   std::vector<hw::Bytes> packets = hw::packets_of(plan);
   for (std::uint32_t volume = 0; volume < 6; ++volume) {
     hw::ConfigurationPacket packet = hw::configuration_of(plan, volume);
     packet.subject = {11, 12, 13};
     packet.display_scale = {-10, 60, 0.5};
-    if (volume >= changed) change(packet, part);
+    if (volume >= changed) kChanges[part](packet);
     hw::Bytes& bytes = packets[hw::packet_index(plan, plan.first_sequence(volume)) - 1];
     bytes.clear();
     if (!lost.contains(volume)) hw::encode(packet, bytes);
@@ -257,7 +245,7 @@ TEST(FrameReader, ShowsOneSubjectOnOneScale) {
   for (std::uint64_t seed = 0; seed < 500; ++seed) {
     const auto at = [&](std::uint64_t i, std::uint64_t n) { return hw::hash(seed, i) % n; };
     const auto changed = static_cast<std::uint32_t>(1 + at(0, 6));  // 6: it does not
-    const int part = static_cast<int>(at(1, kParts));
+    const std::size_t part = at(1, kChanges.size());
     std::set<std::uint32_t> lost;
     for (std::uint32_t volume = 1; volume < 6; ++volume) {
       if (at(2 + volume, 4) == 0) lost.insert(volume);
@@ -288,6 +276,29 @@ TEST(FrameReader, ShowsOneSubjectOnOneScale) {
     while (queue.pop()) ++frames;
     EXPECT_EQ(frames, 3 * seen);
   }
+}
+
+TEST(FrameSource, EachVolumeGoesWholeToOneOfThreeThreads) {
+  const auto plan = hw::small_plan(100);
+  hw::Board board(std::make_unique<hw::MemoryLink>(hw::join(hw::packets_of(plan))));
+  FrameSource frames([&] { return StreamSource{.board = board, .plan = plan, .name = "test"}; });
+  std::atomic<int> whole = 0;
+  const auto read_all = [&] {
+    std::vector<std::pair<std::uint32_t, int>> got;
+    const auto take = [&](const StreamFrame& frame) {
+      got.emplace_back(frame.volume, frame.frame);
+    };
+    while (frames.next_volume(take)) {
+      whole += got == decltype(got){{got[0].first, 0}, {got[0].first, 1}, {got[0].first, 2}};
+      got.clear();
+    }
+  };
+  {
+    const std::array<std::jthread, 3> threads{
+        std::jthread(read_all), std::jthread(read_all), std::jthread(read_all)};
+  }
+  EXPECT_EQ(whole, 100);
+  EXPECT_EQ(frames.account()->delivered, plan.first_sequence(100));
 }
 
 }  // namespace
