@@ -141,7 +141,8 @@ void Progress::write_lines(const std::stop_token& stop) {
     }
     const auto never = [] { return false; };
     if (running) {
-      changed_.wait_until(lock, stop, next_line_, never);
+      const Clock::time_point until = next_line_;  // it is read while others have the lock
+      changed_.wait_until(lock, stop, until, never);
     } else {
       changed_.wait(lock, stop, [this] { return !name_.empty(); });
     }
