@@ -1,5 +1,6 @@
 """The Python module against the program: the same bytes, the same lines, arrays without copies, threads, Ctrl-C."""
 import copy
+import functools
 import gc
 import json
 import os
@@ -24,19 +25,10 @@ USERS_ENVIRONMENT = dict(os.environ)
 CACHE = tempfile.TemporaryDirectory()  # not the user's
 os.environ["XDG_CACHE_HOME"] = CACHE.name
 # Off the easy place: another preset, another seed, turned, an even number of frames.
-SETTINGS = {
-    "phantom.name": "sphere",
-    "phantom.radius_mm": 22,
-    "placement.position_mm": [6, -4, 112],
-    "probe.preset": "c5-2v",
-    "acquisition.frames_per_volume": 14,
-    "acquisition.sticks_per_frame": 40,
-    "acquisition.samples_per_stick": 256,
-    "simulation.seed": 7,
-    "render.view.yaw_deg": 20,
-    "render.ray_casting.incidence_correction_mm": 0.8,
-    "render.ray_casting.image_size": 96,
-}
+SETTINGS = {"phantom.name": "sphere", "phantom.radius_mm": 22, "placement.position_mm": [6, -4, 112],
+    "probe.preset": "c5-2v", "acquisition.frames_per_volume": 14, "acquisition.sticks_per_frame": 40,
+    "acquisition.samples_per_stick": 256, "simulation.seed": 7, "render.view.yaw_deg": 20,
+    "render.ray_casting.incidence_correction_mm": 0.8, "render.ray_casting.image_size": 96}
 
 
 def as_arguments(settings):
@@ -251,8 +243,7 @@ class Arrays(unittest.TestCase):
         r = volume.radius_m + volume.ranges_m
         b = volume.radius_m - volume.wobble_radius_m
         phi, theta = volume.frame_angles_rad[:, None, None], volume.line_angles_rad[None, :, None]
-        points = numpy.stack(numpy.broadcast_arrays(
-            r * numpy.sin(theta), -(r * numpy.cos(theta) - b) * numpy.sin(phi),
+        points = numpy.stack(numpy.broadcast_arrays(r * numpy.sin(theta), -(r * numpy.cos(theta) - b) * numpy.sin(phi),
             b * (1 - numpy.cos(phi)) + r * numpy.cos(theta) * numpy.cos(phi)), axis=-1)
         is_bright = volume.samples > 0.5
         first = is_bright & (numpy.cumsum(is_bright, axis=2) == 1)
@@ -260,6 +251,14 @@ class Arrays(unittest.TestCase):
         distances = numpy.linalg.norm(points[first] - numpy.array([6e-3, -4e-3, 112e-3]), axis=-1)
         self.assertLess(abs(numpy.median(distances) - 22e-3), 1e-3)
         self.assertTrue((numpy.diff(volume.times_s.ravel()) > 0).all())
+
+
+def run_threads(*targets):
+    threads = [threading.Thread(target=target) for target in targets]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
 
 
 class Threads(unittest.TestCase):
@@ -278,54 +277,50 @@ class Threads(unittest.TestCase):
             except BaseException as error:  # noqa: B902
                 failed.append(error)
 
-        threads = [threading.Thread(target=work, args=(wobblebench.Renderer(scene),)) for _ in range(4)]
-        for thread in threads:
-            thread.start()
-        for thread in threads:
-            thread.join()
+        run_threads(*[functools.partial(work, wobblebench.Renderer(scene)) for _ in range(4)])
         self.assertEqual(failed, [])
         self.assertEqual(len(found), 24)
         for depth_m in found:
             numpy.testing.assert_array_equal(depth_m, expected)
 
-    def test_other_threads_run_during_a_long_call(self):
-        counted = []
-        done = threading.Event()
+    def test_a_call_that_waits_for_another_stops_no_third_thread(self):
+        """Truths are made one after the other; the simulator waits for each."""
+        scene = wobblebench.Scene(settings=SETTINGS)
+        gaps, took, is_over = [], [], threading.Event()
 
-        def count():
-            while not done.is_set():
-                counted.append(1)
+        def tick():
+            last = time.monotonic()
+            while not is_over.is_set():
                 time.sleep(0.001)
+                gaps.append(time.monotonic() - last)
+                last += gaps[-1]
 
-        thread = threading.Thread(target=count)
-        thread.start()
-        wobblebench.simulate(wobblebench.Scene(settings={**SETTINGS, "simulation.seed": 8}))
-        done.set()
-        thread.join()
-        self.assertGreater(len(counted), 3)
+        def make_truths():
+            for size in (600, 601, 602, 603):
+                begun = time.monotonic()
+                wobblebench.truth(scene.replace({"render.ray_casting.image_size": size}))
+                took.append(time.monotonic() - begun)
+            is_over.set()
+
+        def simulate():
+            while not is_over.is_set():
+                wobblebench.simulate(scene)
+
+        run_threads(tick, make_truths, simulate)
+        self.assertLess(max(gaps), min(took) / 2)
 
     def test_one_board_read_by_two_threads_gives_each_volume_once(self):
         scene = wobblebench.Scene(settings={**SETTINGS, "acquisition.volumes": 4, "simulation.fidelity": "geometry"})
         board = wobblebench.Board("sim", scene)
         numbers = []
-        threads = [threading.Thread(target=lambda: numbers.extend(frame.volume for frame in board.frames()))
-                   for _ in range(2)]
-        for thread in threads:
-            thread.start()
-        for thread in threads:
-            thread.join()
+        run_threads(*[lambda: numbers.extend(frame.volume for frame in board.frames())] * 2)
         self.assertEqual(sorted(numbers), sorted(list(range(4)) * 14))
 
-    def test_each_volume_goes_whole_to_one_of_two_threads(self):
+    def test_each_volume_goes_whole_to_one_of_three_threads(self):
         scene = wobblebench.Scene(settings={**SETTINGS, "acquisition.volumes": 40, "simulation.fidelity": "geometry"})
         board = wobblebench.Board("sim", scene)
         missing = []
-        threads = [threading.Thread(target=lambda: missing.extend((~volume.arrived).sum() for volume in board))
-                   for _ in range(3)]
-        for thread in threads:
-            thread.start()
-        for thread in threads:
-            thread.join()
+        run_threads(*[lambda: missing.extend((~volume.arrived).sum() for volume in board)] * 3)
         self.assertEqual(missing, [0] * 40)
 
 
@@ -369,8 +364,7 @@ class Process(unittest.TestCase):
     def test_a_process_that_is_forked_after_rendering_is_refused_by_a_line_that_names_spawn(self):
         code = ("import multiprocessing as m, pickle, wobblebench as w; s = w.Scene(settings={'phantom.name': 'sphere',"
                 "'render.ray_casting.image_size': 64}); v = w.simulate(s); r = w.Renderer(s); r.render(v)\n"
-                "def job(of):\n"
-                "    try: return of().render(v).depth_m.shape\n"
+                "def job(of):\n" "    try: return of().render(v).depth_m.shape\n"
                 "    except w.Failed as error: return str(error)\n"
                 "def simulate(): return float(w.simulate(s).samples.mean())\n"
                 "jobs = (lambda: job(lambda: w.Renderer(s)), lambda: job(lambda: r), lambda: simulate() > 0)\n"

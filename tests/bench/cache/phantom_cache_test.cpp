@@ -2,11 +2,15 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <atomic>
+#include <chrono>
 #include <cmath>
 #include <cstdint>
 #include <fstream>
 #include <initializer_list>
 #include <set>
+#include <thread>
 #include <utility>
 
 #include "phantoms/io/phantom_bytes.h"
@@ -82,6 +86,22 @@ TEST(PhantomKey, KeepsListsApart) {
 TEST(PhantomKey, OfAMapChangesWithItsReach) {
   EXPECT_NE(tissue_map_key("a", 1e-3), tissue_map_key("a", std::nextafter(1e-3, 1)));
   EXPECT_NE(tissue_map_key("a", 1e-3), tissue_map_key("b", 1e-3));
+}
+
+TEST(KeptMaps, AreMadeByOneThreadAtATime) {
+  std::atomic<int> inside = 0, most = 0;
+  const auto maps = kept_maps([&](const auto&...) {
+    most = std::max(most.load(), ++inside);
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+    --inside;
+    return nullptr;
+  });
+  const auto phantom = phantoms::make_phantom({.name = "sphere", .voxel_m = 2e-3});
+  {
+    const std::jthread other([&] { maps(phantom, 1e-3, 1); }),
+        another([&] { maps(phantom, 2e-3, 1); });
+  }
+  EXPECT_EQ(most, 1);
 }
 
 class PhantomCacheTest : public testing_support::FolderTest {

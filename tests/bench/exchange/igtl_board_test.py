@@ -4,6 +4,7 @@ against the same voxels in files; and what must not get in."""
 import json
 import os
 import pathlib
+import signal
 import socket
 import struct
 import subprocess
@@ -13,7 +14,7 @@ import unittest
 import numpy as np
 
 import igtl
-from support import BALL_SCENE, InFolder, PROGRAM, SMOOTH, off_ball, run, settings
+from support import BALL_SCENE, InFolder, PROGRAM, SMOOTH, off_ball, run, settings, twice
 
 FRAMES, LINES, SAMPLES = 9, 24, 96
 POLAR = {"wobblebench_content": "polar", "wobblebench_radius_mm": "40", "wobblebench_wobble_radius_mm": "27",
@@ -97,8 +98,7 @@ class Received(InFolder):
     def test_planes_in_order_with_gaps_in_their_times(self):
         planes = [igtl.image(polar(v)[f][None], seconds=10 + 0.025 * (v * FRAMES + f)) for v in range(2)
                   for f in range(FRAMES) if (v, f) not in ((0, 3), (1, 0), (1, 1))]
-        board = self.board(serve(planes), "planes=in_order", "period_ms=25",
-                           self.geometry("frames_per_volume = 9"))
+        board = self.board(serve(planes), "planes=in_order", "period_ms=25", self.geometry("frames_per_volume = 9"))
         scan = self.exported("gaps", board, 2)
         lost = np.zeros((2, FRAMES), bool)
         lost[0, 3] = lost[1, 0] = lost[1, 1] = True
@@ -205,7 +205,12 @@ class Received(InFolder):
 
 
 class Hostile(InFolder):
-    """Each is refused by one line, or counted; the program ends by itself, and in little memory."""
+    """Each is refused by one line, or counted; the program ends by itself, and in twice the memory of an honest one."""
+
+    @classmethod
+    def setUpClass(cls):
+        super().setUpClass()
+        cls.most = twice("record", "--board", f"igtl=127.0.0.1:{serve(volumes([0, 1])).port}", "--out", cls.path("good"))
 
     def refused(self, data, *why, keys="", code=2, hold=False):
         def send(connection):
@@ -218,7 +223,7 @@ class Hostile(InFolder):
         server = igtl.Server(send)
         self.addCleanup(server.close)
         out = self.path(f"hostile{server.port}")
-        answer = run("record", "--board", f"igtl=127.0.0.1:{server.port}{keys}", "--out", out, code=code)
+        answer = run("record", "--board", f"igtl=127.0.0.1:{server.port}{keys}", "--out", out, code=code, most=self.most)
         lines = [line for line in answer.splitlines() if "--board" in line]
         self.assertEqual(len(lines), 1, answer)
         for part in why:
@@ -266,6 +271,23 @@ class Hostile(InFolder):
             self.refused_server(send, ["no image came for 0.6 s; must send a grey IMAGE, and sent " + what],
                                 ",patience_s=0.6", 2)
 
+    def test_neither_silence_nor_a_flood_delays_an_interruption(self):
+        flood = igtl.message("STATUS", bytes(31)) * 5000
+
+        def send(connection):
+            connection.sendall(volumes([0])[0])
+            while True:
+                connection.sendall(flood)
+        for serve, how in ((send, signal.SIGINT), (lambda connection: connection.recv(1), signal.SIGTERM)):
+            server = igtl.Server(serve)
+            self.addCleanup(server.close)
+            child = subprocess.Popen([PROGRAM, "record", "--board", f"igtl=127.0.0.1:{server.port}", "--out",
+                                      self.path("ended")], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+            self.addCleanup(child.kill)
+            time.sleep(2)
+            child.send_signal(how)
+            self.assertIn("interrupted", child.communicate(timeout=4)[0])
+
     def test_two_planes_of_a_huge_fan_take_the_memory_of_two(self):
         """A volume of 1024 such planes has 268 MB a copy."""
         plane = np.full((1, 128, 512), 9, np.uint8)
@@ -307,8 +329,7 @@ class Hostile(InFolder):
 
     def test_metadata_that_do_not_fit(self):
         image = igtl.image(polar(0))[58:]
-        for body in (struct.pack(">HHII", 12, 10, 2**32 - 1, 0) + image,
-                     struct.pack(">HHII", 60000, 2, 0, 0) + image,
+        for body in (struct.pack(">HHII", 12, 10, 2**32 - 1, 0) + image, struct.pack(">HHII", 60000, 2, 0, 0) + image,
                      struct.pack(">HHII", 12, 10, 0, 0) + image + struct.pack(">HHHI", 1, 5, 3, 2**31),
                      struct.pack(">HHII", 12, 4, 0, 0) + image + struct.pack(">HH", 65535, 0)):
             data = igtl.HEADER.pack(2, b"IMAGE", b"x", 0, len(body), igtl.crc64(body)) + body

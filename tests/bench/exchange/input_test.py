@@ -5,14 +5,17 @@ import gzip
 import itertools
 import os
 import re
+import shutil
+import struct
+import subprocess
 import unittest
 import zlib
 
 import h5py
 import numpy as np
 
-from scans import Input, POLAR, kretz, mha, nrrd
-from support import BALL_SCENE, SMALL_SCAN, SMOOTH, off_ball, positions, run, settings
+from scans import Input, POLAR, geometry_text, kretz, mha, nrrd
+from support import BALL_SCENE, PROGRAM, SMALL_SCAN, SMOOTH, off_ball, positions, run, settings
 
 REAL = os.path.join(os.path.dirname(os.path.abspath(__file__)), "real")
 
@@ -64,8 +67,7 @@ class Polar(Input):
             np.testing.assert_allclose(scan["samples"][0], voxels / 255, atol=1e-6)
             theta, phi = np.linspace(-0.6, 0.6, 13)[None, :, None], np.linspace(-0.5, 0.5, 9)[:, None, None]
             r, b = (100 + np.arange(40)) * 0.5, -axis * 0.5
-            read = np.stack(np.broadcast_arrays(
-                r * np.sin(theta), -(r * np.cos(theta) - b) * np.sin(phi),
+            read = np.stack(np.broadcast_arrays(r * np.sin(theta), -(r * np.cos(theta) - b) * np.sin(phi),
                 b * (1 - np.cos(phi)) + r * np.cos(theta) * np.cos(phi)), -1)
             ours = positions(scan["theta_deg"], scan["motor_angle_deg"][0], scan["range_mm"],
                              float(scan["radius_mm"]), float(scan["wobble_radius_mm"]))
@@ -403,6 +405,13 @@ class Zea(Input):
         refused(self.board(two, **POLAR), "holds several tracks")
         with open(self.zea(db, at), "rb") as whole:
             data = whole.read()
+        # Read by a program beside ours that says sizes whose product wraps to that of its values: to 0.
+        wraps = struct.pack("=IQ4sQI5Q2I", 0x54524557, 4, b"data", 0, 0, 3, 2**33, 2**31, 1, 0, 0, 0x444e4557)
+        reader = self.write("wobblebench-import", f"#!/bin/sh\ncat {self.write('message', wraps)} >&3\n")
+        os.chmod(reader, 0o755)
+        done = subprocess.run([shutil.copy(PROGRAM, self.folder), "inspect", self.zea(db, at), "--geometry",
+                               self.write("g.toml", geometry_text(**POLAR))], capture_output=True, text=True, check=False, timeout=60)
+        self.assertIn("z.hdf5: is damaged: its sizes differ\n", done.stderr)
         for size in (100, 2000, len(data) - 300):
             line = run("run", "--board", self.board(self.write("cut.hdf5", data[:size]), **POLAR), "--out",
                        self.path("out"), code=2)

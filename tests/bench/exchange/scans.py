@@ -4,7 +4,7 @@ import struct
 
 import numpy as np
 
-from support import InFolder, run
+from support import InFolder, run, twice
 
 
 def geometry_text(**keys):
@@ -72,9 +72,13 @@ class Input(InFolder):
         self.assertEqual(scan["source"].tolist(), ["recording of hardware"])
         return scan
 
+    def most(self):
+        good = geometry_text(**POLAR, element="uint8", sizes=[9, 4, 3])
+        return twice("inspect", self.write("good.raw", bytes(108)), "--geometry", self.write("good.toml", good))
+
     def refused(self, board, *says):
-        """One line, exit code 2, nothing written."""
-        line = run("run", "--board", board, "--out", self.path("out"), code=2)
+        """One line, exit code 2, nothing written, in twice the memory in which a good scan is read."""
+        line = run("run", "--board", board, "--out", self.path("out"), code=2, most=self.most())
         self.assertEqual(line.count("\n"), 1, line)
         for text in says:
             self.assertIn(text, line)

@@ -1,5 +1,7 @@
 """Runs the program under test, and reads what it wrote with programs that are not ours."""
+import functools
 import os
+import resource
 import shutil
 import subprocess
 import tempfile
@@ -12,8 +14,7 @@ PROGRAM = os.environ["WOBBLEBENCH"]
 CACHE = tempfile.TemporaryDirectory()
 os.environ["XDG_CACHE_HOME"] = CACHE.name
 
-SMALL_SCAN = [f"acquisition.{key}" for key in
-              ("sticks_per_frame=40", "samples_per_stick=192", "frames_per_volume=21")]
+SMALL_SCAN = [f"acquisition.{key}" for key in ("sticks_per_frame=40", "samples_per_stick=192", "frames_per_volume=21")]
 
 
 def settings(*keys):
@@ -28,9 +29,26 @@ BALL_SCENE = settings("phantom.name=sphere", f"phantom.radius_mm={RADIUS}",
 SMOOTH = settings("simulation.speckle=false", "simulation.noise_db=-200")
 
 
-def run(*arguments, code=0):
+@functools.cache
+def twice(*arguments):
+    """A bound for bad input: twice the address space that the program takes for this honest one, in bytes."""
+    child, most_kb = subprocess.Popen([PROGRAM, *arguments], stdout=subprocess.DEVNULL), 0
+    while child.poll() is None:
+        with open(f"/proc/{child.pid}/status", encoding="ascii") as status:
+            most_kb = max([most_kb, *(int(line.split()[1]) for line in status if line.startswith("VmPeak"))])
+    assert child.returncode == 0
+    return 2 * 1024 * most_kb
+
+
+def attempt(*arguments, most=resource.RLIM_INFINITY):
+    """`most`: bytes of address space."""
+    return subprocess.run([PROGRAM, *map(str, arguments)], capture_output=True, text=True, check=False, timeout=300,
+                          preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_AS, (most, most)))
+
+
+def run(*arguments, code=0, **limit):
     """stdout and stderr; the exit code must be the expected one."""
-    done = subprocess.run([PROGRAM, *map(str, arguments)], capture_output=True, text=True, check=False)
+    done = attempt(*arguments, **limit)
     if done.returncode != code:
         raise AssertionError(f"{arguments}: exit code {done.returncode}, not {code}: {done.stderr}")
     return done.stdout + done.stderr
@@ -59,9 +77,7 @@ def positions(theta_deg, motor_deg, range_mm, radius_mm, wobble_radius_mm):
     turned = np.empty((len(motor_deg),) + plane.shape[1:])
     for f, angles in enumerate(np.radians(motor_deg)):
         for l, angle in enumerate(angles):
-            turn = np.array([[1, 0, 0],
-                             [0, np.cos(angle), -np.sin(angle)],
-                             [0, np.sin(angle), np.cos(angle)]])
+            turn = np.array([[1, 0, 0], [0, np.cos(angle), -np.sin(angle)], [0, np.sin(angle), np.cos(angle)]])
             turned[f, l] = (plane[0, l] - axis) @ turn.T + axis
     return turned
 
