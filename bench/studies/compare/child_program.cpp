@@ -34,8 +34,10 @@ std::string text_in(int file) {
 }
 
 /// In the child, after fork(): calls that are safe there alone.
-[[noreturn]] void become(const char* program, char* const* arguments, int output, int error) {
+[[noreturn]] void become(
+    pid_t parent, const char* program, char* const* arguments, int output, int error) {
   ::prctl(PR_SET_PDEATHSIG, SIGTERM);
+  if (::getppid() != parent) ::_exit(kNotStarted);  // that has ended meanwhile, unseen
   const int nothing = ::open("/dev/null", O_RDWR);
   ::dup2(nothing, STDIN_FILENO);
   ::dup2(output < 0 ? nothing : output, STDOUT_FILENO);
@@ -68,9 +70,9 @@ ChildEnd run(const std::filesystem::path& program,
   for (std::string& word : words) pointers.push_back(word.data());
   pointers.push_back(nullptr);
   const FileDescriptor errors = memory_file();
-  const pid_t child = ::fork();
+  const pid_t self = ::getpid(), child = ::fork();
   if (child < 0) throw std::runtime_error(name + ": cannot be started: " + std::strerror(errno));
-  if (child == 0) become(name.c_str(), pointers.data(), output, errors.get());
+  if (child == 0) become(self, name.c_str(), pointers.data(), output, errors.get());
   const int code = wait_for(child);
   if (code == kNotStarted) throw std::runtime_error(name + ": cannot be started");
   return {code, last_line(text_in(errors.get()))};

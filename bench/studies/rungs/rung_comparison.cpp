@@ -67,12 +67,11 @@ Pipe open_pipe() {
   return {FileDescriptor(ends[0]), FileDescriptor(ends[1])};
 }
 
-[[noreturn]] void run_and_exit(const std::function<void()>& body, int message_to) {
+[[noreturn]] void run_and_exit(pid_t parent, const std::function<void()>& body, int message_to) {
   ::prctl(PR_SET_PDEATHSIG, SIGKILL);
+  if (::getppid() != parent) ::_exit(kChildFailed);  // that has ended meanwhile, unseen
   // A signal ends the fork without clean-up, which is the parent's task.
-  std::signal(SIGINT, SIG_DFL);
-  std::signal(SIGTERM, SIG_DFL);
-  std::signal(SIGHUP, SIG_DFL);
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) std::signal(signal, SIG_DFL);
   const auto fail = [&](const std::exception& error, int code) {
     // The exit code says that it failed, even where the reason is lost.
     static_cast<void>(!::write(message_to, error.what(), std::strlen(error.what())));
@@ -103,9 +102,9 @@ std::string read_all(int descriptor) {
 
 double peak_memory_bytes(const std::function<void()>& body) {
   Pipe message = open_pipe();
-  const pid_t child = ::fork();
+  const pid_t self = ::getpid(), child = ::fork();
   if (child < 0) throw std::runtime_error(std::string("fork: ") + std::strerror(errno));
-  if (child == 0) run_and_exit(body, message.write.get());
+  if (child == 0) run_and_exit(self, body, message.write.get());
   message.write.close();
   const std::string reason = read_all(message.read.get());
   int status = 0;
