@@ -31,25 +31,14 @@ const limitsFile = join(folder, 'limits.toml');
 writeFileSync(limitsFile, '[limits]\np95_mm = { worse_by = 9 }\n');
 const sceneFile = join(folder, 'scene.toml');
 const planFile = join(folder, 'plan.toml');
-const commands = [
-  ['run', sceneFile],
-  ['stream', sceneFile, '--volumes', '3'],
-  ['record', sceneFile, '--volumes', '2'],
-  ['rehearse', '--seeds', '5'],
-  ['phantom', sceneFile],
-  ['accuracy', sceneFile, '--seeds', '2'],
-  ['trade', planFile],
+const commands = [['run', sceneFile], ['stream', sceneFile, '--volumes', '3'], ['record', sceneFile, '--volumes', '2'],
+  ['rehearse', '--seeds', '5'], ['phantom', sceneFile], ['accuracy', sceneFile, '--seeds', '2'], ['trade', planFile],
   ['compare', 'this', 'this', '--scene', sceneFile, '--seeds', '1', '--new-set', 'render.ray_casting.iso_level=0.71',
-    '--limits', limitsFile],
-  ['score', join(folder, 'run/depth.exr'), '--scene', join(folder, 'run/report.json')],
+    '--limits', limitsFile], ['score', join(folder, 'run/depth.exr'), '--scene', join(folder, 'run/report.json')],
   ['conformance', sceneFile],
   ['tables', '--divisor', '8', '--repeats', '1', '--set', 'phantom.name=sphere', '--set', 'phantom.voxel_mm=2',
-    '--set', 'acquisition.sticks_per_frame=8'],
-  ['latency', sceneFile, '--volumes', '10'],
-  ['extremes'],
-  ['fit', sceneFile, '--seeds', '1'],
-  ['tune', planFile, '--limit', 'p95_mm<=20', '--evaluations', '2', '--random'],
-];
+    '--set', 'acquisition.sticks_per_frame=8'], ['latency', sceneFile, '--volumes', '10'], ['extremes'],
+  ['fit', sceneFile, '--seeds', '1'], ['tune', planFile, '--limit', 'p95_mm<=20', '--evaluations', '2', '--random'],];
 
 function make(command) {
   const out = scratch(join('commands', command[0]));

@@ -316,13 +316,6 @@ class Threads(unittest.TestCase):
         run_threads(*[lambda: numbers.extend(frame.volume for frame in board.frames())] * 2)
         self.assertEqual(sorted(numbers), sorted(list(range(4)) * 14))
 
-    def test_each_volume_goes_whole_to_one_of_three_threads(self):
-        scene = wobblebench.Scene(settings={**SETTINGS, "acquisition.volumes": 40, "simulation.fidelity": "geometry"})
-        board = wobblebench.Board("sim", scene)
-        missing = []
-        run_threads(*[lambda: missing.extend((~volume.arrived).sum() for volume in board)] * 3)
-        self.assertEqual(missing, [0] * 40)
-
 
 INTERRUPTED = """
 import sys, wobblebench
