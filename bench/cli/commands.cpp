@@ -3,12 +3,35 @@
 #include <CLI/CLI.hpp>
 #include <utility>
 
+#include "bench/evaluation/measures/picture_measures.h"
+#include "bench/output/document/table.h"
 #include "bench/scene/scene.h"
 
 namespace wobblebench::bench {
 
+namespace {
+
+/// docs/measures.md has it.
+std::string measures_text() {
+  using M = const Measure*;
+  std::string text = markdown(
+      table_of<M>({.caption = "# Measures\n\nWhat is measured of a picture against the truth, "
+                              "by the names of `--limit`."},
+                  picture_measures(),
+                  {{{"figure"}, [](M of) { return Cell::code(of->key); }},
+                   {{"name"}, [](M of) { return of->title; }},
+                   {{"unit"}, [](M of) { return unit_of(of->key).name; }},
+                   {{"what"}, [](M of) { return of->help; }}}));
+  text.pop_back();  // CLI11 ends it with a line of its own
+  return text;
+}
+
+}  // namespace
+
 std::vector<Command> add_commands(CLI::App& app) {
   app.require_subcommand(1);
+  const auto print = [] { throw CLI::CallForVersion(measures_text(), CLI::ExitCodes::Success); };
+  app.add_flag_callback("--measures", print, "Print the figures of a picture")->trigger_on_parse();
   std::vector<Command> commands = {
       add_run_command(app),         add_score_command(app),    add_compare_command(app),
       add_stream_command(app),      add_live_command(app),     add_latency_command(app),

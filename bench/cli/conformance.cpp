@@ -110,14 +110,14 @@ Table fault_table(const ConformanceFindings& findings) {
 }
 
 Table defect_table(const std::vector<DefectOutcome>& defects) {
-  Table table{.name = "defects",
-              .columns = {{"check"}, {"what", "what is wrong"}, {"saw", "what the check saw"}}};
-  for (const DefectOutcome& defect : defects) {
-    table.add({Cell::code(defect.defect.check),
-               defect.defect.what,
-               (defect.detected() ? "" : "MISSED ") + defect.outcome.detail});
-  }
-  return table;
+  using D = DefectOutcome;
+  return table_of<D>(
+      {.name = "defects"},
+      defects,
+      {{{"check"}, [](const D& of) { return Cell::code(of.defect.check); }},
+       {{"what", "what is wrong"}, [](const D& of) { return of.defect.what; }},
+       {{"caught"}, &D::detected},
+       {{"detail", "what the check saw"}, [](const D& of) { return of.outcome.detail; }}});
 }
 
 /// What a check saw may differ between two equal runs; its outcome does not.
@@ -137,13 +137,7 @@ std::string conformance_report(const ConformanceFindings& findings,
   for (const SuiteRun& run : findings.runs) {
     for (const Json& check : to_json(run)) report["checks"].push_back(check);
   }
-  report["broken"] = Json::array();
-  for (const DefectOutcome& defect : findings.defects) {
-    report["broken"].push_back({{"check", defect.defect.check},
-                                {"what", defect.defect.what},
-                                {"caught", defect.detected()},
-                                {"detail", defect.outcome.detail}});
-  }
+  report["broken"] = to_json(defect_table(findings.defects));
   move_details(report);
   report["wall_ms"] = wall_json(times);
   return report_text(report);

@@ -43,30 +43,6 @@ const std::string& material_name(const phantoms::Phantom& phantom, phantoms::Mat
   return phantom.materials().at(static_cast<std::size_t>(index)).name;
 }
 
-Json surface_json(const phantoms::Phantom& phantom, std::size_t index) {
-  const auto& surface = phantom.surfaces()[index];
-  const auto grid = phantoms::grid_memory(phantom, index);
-  const auto size = phantoms::body_size(phantom, index);
-  return {{"name", surface.name},
-          {"inside", material_name(phantom, surface.inside)},
-          {"target", surface.is_target},
-          {"volume_ml", size ? Json(size->volume_m3 * 1e6) : Json(nullptr)},
-          {"surface_cm2", size ? Json(size->area_m2 * 1e4) : Json(nullptr)},
-          {"voxel_mm", to_mm(grid.voxel_m)},
-          {"voxels", grid.voxels},
-          {"memory_mb", in_mb(grid.bytes)}};
-}
-
-Json material_json(const phantoms::Material& material) {
-  return {{"name", material.name},
-          {"sound_speed_m_s", material.sound_speed_m_s},
-          {"impedance_mrayl", material.impedance_rayl / 1e6},
-          {"attenuation_db_per_cm_mhz", material.attenuation_db_per_cm_mhz},
-          {"backscatter_db", material.backscatter_db},
-          {"roughness", material.roughness},
-          {"source", material.source}};
-}
-
 /// "33.51 ml, 50.27 cm2".
 std::string size_text(const phantoms::Phantom& phantom, std::size_t index) {
   const auto size = phantoms::body_size(phantom, index);
@@ -82,12 +58,50 @@ std::set<phantoms::MaterialIndex> used_materials(const phantoms::Phantom& phanto
   return used;
 }
 
-Json materials_json(const phantoms::Phantom& phantom) {
-  Json rows = Json::array();
-  for (const auto row : used_materials(phantom)) {
-    rows.push_back(material_json(phantom.materials().at(static_cast<std::size_t>(row))));
+Table material_table(const phantoms::Phantom& phantom) {
+  using M = phantoms::Material;
+  std::vector<M> used;
+  for (const auto index : used_materials(phantom)) {
+    used.push_back(phantom.materials().at(static_cast<std::size_t>(index)));
   }
-  return rows;
+  return table_of<M>(
+      {.name = "materials", .caption = "Materials"},
+      used,
+      {{{"name", "material"}, &M::name},
+       {{"sound_speed_m_s", "speed of sound", "m/s", 0}, &M::sound_speed_m_s},
+       {{"impedance_mrayl", "impedance", "MRayl", 3},
+        [](const M& m) { return m.impedance_rayl / 1e6; }},
+       {{"attenuation_db_per_cm_mhz", "attenuation", "dB/cm/MHz"}, &M::attenuation_db_per_cm_mhz},
+       {{"backscatter_db", "backscatter", "dB", 1}, &M::backscatter_db},
+       {{"roughness"}, &M::roughness},
+       {{"source"}, &M::source}});
+}
+
+Table surface_table(const phantoms::Phantom& phantom) {
+  Table table{.name = "surfaces",
+              .caption = "Surfaces and the grids that hold them",
+              .columns = {{"name", "surface"},
+                          {"inside"},
+                          {"target"},
+                          {"volume_ml", "volume", "ml"},
+                          {"surface_cm2", "area", "cm²"},
+                          {"voxel_mm", "voxel", "mm", 3},
+                          {"voxels"},
+                          {"memory_mb", "memory", "MB"}}};
+  for (std::size_t i = 0; i < phantom.surfaces().size(); ++i) {
+    const auto& surface = phantom.surfaces()[i];
+    const auto grid = phantoms::grid_memory(phantom, i);
+    const auto size = phantoms::body_size(phantom, i);
+    table.add({surface.name,
+               material_name(phantom, surface.inside),
+               surface.is_target,
+               size ? Cell(size->volume_m3 * 1e6) : Cell(),
+               size ? Cell(size->area_m2 * 1e4) : Cell(),
+               to_mm(grid.voxel_m),
+               grid.voxels,
+               in_mb(grid.bytes)});
+  }
+  return table;
 }
 
 Json joint_json(const std::optional<phantoms::Joint>& joint) {
@@ -157,17 +171,15 @@ Json landmarks_json(const phantoms::Phantom& phantom) {
 }
 
 Json phantom_json(const phantoms::Phantom& phantom) {
-  Json surfaces = Json::array();
   std::uint64_t voxels = 0, bytes = 0;
   for (std::size_t i = 0; i < phantom.surfaces().size(); ++i) {
     const auto grid = phantoms::grid_memory(phantom, i);
     voxels += grid.voxels;
     bytes += grid.bytes;
-    surfaces.push_back(surface_json(phantom, i));
   }
   return {{"name", phantom.name()},
           {"background", material_name(phantom, phantom.background())},
-          {"surfaces", surfaces},
+          {"surfaces", to_json(surface_table(phantom))},
           {"scatterers", scatterers_json(phantom.scatterers())},
           {"voxels", voxels},
           {"memory_mb", in_mb(bytes)},
@@ -178,7 +190,7 @@ Json phantom_json(const phantoms::Phantom& phantom) {
           {"joint", joint_json(phantom.joint())},
           {"measures", measures_json(phantom)},
           {"landmarks_mm", landmarks_json(phantom)},
-          {"materials", materials_json(phantom)}};
+          {"materials", to_json(material_table(phantom))}};
 }
 
 /// The text of report.json.
@@ -208,51 +220,6 @@ std::string phantom_summary(const phantoms::Phantom& phantom, const std::filesys
        << " mm in front of the probe, unless the scene says otherwise\n"
        << "results     " << file.string() << "\n";
   return text.str();
-}
-
-Table surface_table(const phantoms::Phantom& phantom) {
-  Table table{.name = "surfaces",
-              .caption = "Surfaces and the grids that hold them",
-              .columns = {{"name", "surface"},
-                          {"inside"},
-                          {"target"},
-                          {"voxel_mm", "voxel", "mm", 3},
-                          {"voxels"},
-                          {"memory_mb", "memory", "MB"}}};
-  for (std::size_t i = 0; i < phantom.surfaces().size(); ++i) {
-    const auto& surface = phantom.surfaces()[i];
-    const auto grid = phantoms::grid_memory(phantom, i);
-    table.add({surface.name,
-               material_name(phantom, surface.inside),
-               surface.is_target ? "yes" : "no",
-               to_mm(grid.voxel_m),
-               grid.voxels,
-               in_mb(grid.bytes)});
-  }
-  return table;
-}
-
-Table material_table(const phantoms::Phantom& phantom) {
-  Table table{.name = "materials",
-              .caption = "Materials",
-              .columns = {{"name", "material"},
-                          {"sound_speed_m_s", "speed of sound", "m/s", 0},
-                          {"impedance_mrayl", "impedance", "MRayl", 3},
-                          {"attenuation_db_per_cm_mhz", "attenuation", "dB/cm/MHz"},
-                          {"backscatter_db", "backscatter", "dB", 1},
-                          {"roughness"},
-                          {"source"}}};
-  for (const auto index : used_materials(phantom)) {
-    const auto& material = phantom.materials().at(static_cast<std::size_t>(index));
-    table.add({material.name,
-               material.sound_speed_m_s,
-               material.impedance_rayl / 1e6,
-               material.attenuation_db_per_cm_mhz,
-               material.backscatter_db,
-               material.roughness,
-               material.source});
-  }
-  return table;
 }
 
 Document phantom_document(const phantoms::Phantom& phantom, const std::string& summary) {

@@ -1,6 +1,5 @@
 // The path from probe to volume under seeded faults, in virtual time.
 #include <cstdint>
-#include <initializer_list>
 #include <iomanip>
 #include <iostream>
 #include <memory>
@@ -32,6 +31,26 @@ std::string replay_command(std::uint64_t seed) {
   return "wobblebench rehearse --first-seed " + std::to_string(seed) + " --seeds 1 --trace";
 }
 
+/// What was counted, in one row.
+Table counts_of(const SeedRangeResult& all) {
+  using S = SeedRangeResult;
+  return table_of<S>(
+      {},
+      std::vector<S>{all},
+      {{{"steps"}, &S::steps},
+       {{"sticks"}, &S::sticks},
+       {{"emitted", "sticks emitted"}, [](const S& of) { return of.account.emitted; }},
+       {{"delivered", "sticks delivered"}, [](const S& of) { return of.account.delivered; }},
+       {{"bytes_recorded", "bytes recorded, killed anywhere"}, &S::bytes_recorded},
+       {{"sticks_salvaged", "sticks salvaged"}, &S::sticks_salvaged},
+       {{"device_time_s", "device time", "s"}, &S::device_time_s},
+       {{"wall_s", "wall time", "s"}, &S::wall_s},
+       {{"times_real_time", "times real time"},
+        [](const S& of) { return of.device_time_s / of.wall_s; }},
+       {{"times_acquisition", "times the sticks' own acquisition"},
+        [](const S& of) { return of.acquired_s / of.wall_s; }}});
+}
+
 /// The text of report.json.
 std::string fault_simulation_report(const SeedRangeResult& all) {
   Provenance provenance = provenance_of_this_machine();
@@ -42,25 +61,15 @@ std::string fault_simulation_report(const SeedRangeResult& all) {
     failures.push_back(
         {{"seed", failed.seed}, {"rule", failed.failure}, {"replay", replay_command(failed.seed)}});
   }
-  const Json report = {{"schema", kReportSchema},
-                       {"command", "rehearse"},
-                       {"provenance", to_json(provenance)},
-                       {"rehearsal",
-                        {{"seeds", all.seeds},
-                         {"first_seed", all.first_seed},
-                         {"hash", hex(all.hash)},
-                         {"steps", all.steps},
-                         {"sticks", all.sticks},
-                         {"emitted", all.account.emitted},
-                         {"delivered", all.account.delivered},
-                         {"lost", account_json(all.account)["lost"]},
-                         {"bytes_recorded", all.bytes_recorded},
-                         {"sticks_salvaged", all.sticks_salvaged},
-                         {"device_time_s", all.device_time_s},
-                         {"wall_s", all.wall_s},
-                         {"times_real_time", all.device_time_s / all.wall_s},
-                         {"times_acquisition", all.acquired_s / all.wall_s},
-                         {"failures", failures}}}};
+  Json report = {{"schema", kReportSchema},
+                 {"command", "rehearse"},
+                 {"provenance", to_json(provenance)},
+                 {"rehearsal", to_json(counts_of(all)).front()}};
+  report["rehearsal"].update({{"seeds", all.seeds},
+                              {"first_seed", all.first_seed},
+                              {"hash", hex(all.hash)},
+                              {"lost", account_json(all.account)["lost"]},
+                              {"failures", failures}});
   return report_text(report);
 }
 
@@ -99,31 +108,20 @@ Table failure_table(const SeedRangeResult& all) {
 
 /// Without a name: what was rehearsed has no file beside report.json and the page.
 Document fault_simulation_document(const SeedRangeResult& all) {
-  const auto& lost = all.account.lost;
   Table counts{
       .name = "counts",
       .caption = "Seeds " + std::to_string(all.first_seed) + " to " +
                  std::to_string(all.first_seed + static_cast<std::uint64_t>(all.seeds) - 1),
       .columns = {{"what"}, {"value", "value", "", 1}}};
-  const std::initializer_list<std::pair<const char*, Cell>> rows = {
-      {"steps", all.steps},
-      {"sticks", all.sticks},
-      {"sticks emitted", all.account.emitted},
-      {"sticks delivered", all.account.delivered},
-      {"lost: ring_full", lost.ring_full},
-      {"lost: link", lost.link},
-      {"lost: corrupt", lost.corrupt},
-      {"lost: out_of_order", lost.out_of_order},
-      {"bytes recorded, killed anywhere", all.bytes_recorded},
-      {"sticks salvaged", all.sticks_salvaged},
-      {"device time, s", all.device_time_s},
-      {"wall time, s", all.wall_s},
-      {"times real time", all.device_time_s / all.wall_s},
-      {"times the sticks' own acquisition", all.acquired_s / all.wall_s},
-      {"failures", all.failed.size()}};
-  for (const auto& [what, value] : rows) counts.add({what, value});
+  const Table counted = counts_of(all);
+  for (std::size_t i = 0; i < counted.columns.size(); ++i) {
+    counts.add({heading(counted.columns[i]), counted.rows.front()[i]});
+  }
+  counts.add({"failures", all.failed.size()});
   Document document{.title = "Rehearsal of faults in virtual time"};
-  document.add(Text{"Hash of every event: `" + hex(all.hash) + "`."}).add(std::move(counts));
+  document.add(Text{"Hash of every event: `" + hex(all.hash) + "`."})
+      .add(std::move(counts))
+      .add(board_table(all.account));
   if (!all.failed.empty()) document.add(Heading{"Failures"}).add(failure_table(all));
   return document;
 }

@@ -15,7 +15,7 @@ struct CommandResult;
 
 /// At most this.
 struct Limit {
-  std::string name;  ///< of a figure, with its unit: "p95_mm"
+  std::string name;  ///< of a figure, with its unit
   double most = 0;
 };
 

@@ -116,13 +116,9 @@ Json error_json(const DepthError& error) {
                        {"name", name.name},
                        {"colour", html_colour(name.rgb)}});
   }
-  return {{"limit_mm", kErrorLimit_mm},
-          {"classes", std::move(classes)},
-          {"bias_mm", error.depth.bias_m / kMillimetre},
-          {"rms_mm", error.depth.rms_m / kMillimetre},
-          {"p95_mm", error.depth.p95_m / kMillimetre},
-          {"missed_percent", error.missed_percent()},
-          {"false_percent", error.false_percent()}};
+  Json json = {{"limit_mm", kErrorLimit_mm}, {"classes", std::move(classes)}};
+  json.update(flat_json(described(error)));
+  return json;
 }
 
 hw::PolarVolume volume_of(const LivePicture& shown) {

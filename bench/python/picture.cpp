@@ -327,7 +327,7 @@ std::string score_picture(const PictureData& picture, SceneHandle& scene) {
   }
   const auto view = truth_of(picture, scene);
   const auto measures = bench::measure_picture(picture.picture, *view, resolved.render());
-  return bench::error_json(measures, bench::sought_in(resolved)).dump();
+  return bench::error_json(measures, bench::expected_surface(resolved)).dump();
 }
 
 using DepthArray = py::array_t<double, py::array::c_style | py::array::forcecast>;

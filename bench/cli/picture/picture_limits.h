@@ -9,7 +9,7 @@
 
 namespace wobblebench::bench {
 
-/// Of measure_names() and trade_measure_names() those of which less is better.
+/// Of picture_measures() those of which less is better.
 const std::vector<std::string>& picture_measure_names();
 /// Their values over the whole picture.
 std::vector<LimitedFigure> picture_figures(const PictureMeasures& measures);

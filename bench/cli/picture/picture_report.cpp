@@ -11,9 +11,9 @@ namespace wobblebench::bench {
 
 namespace {
 
-std::string nothing_in_view(const DepthError& raw, const Sought& sought) {
-  std::string line = "depth error none: no surface in view: " + why_none(raw, sought);
-  if (sought.surface && sought.target && raw.false_surface > 0) {
+std::string nothing_in_view(const DepthError& raw, const ExpectedSurface& expected) {
+  std::string line = "depth error none: no surface in view: " + why_none(raw, expected);
+  if (expected.sought && expected.in_phantom && raw.false_surface > 0) {
     line += "; false " + rounded(raw.false_percent()) + " % of the picture";
   }
   return line + "\n";
@@ -48,10 +48,10 @@ std::string in_mm(double metres) {
 }
 
 std::string error_text(const Comparison& comparison, const ResolvedScene& scene) {
-  const Sought sought = sought_in(scene);
+  const ExpectedSurface expected = expected_surface(scene);
   const DepthError& raw = comparison.error.raw;
-  if (!raw.surface_in_view()) return nothing_in_view(raw, sought);
-  const auto percent = [&](double value) { return sought.surface ? rounded(value) : "none"; };
+  if (!raw.surface_in_view()) return nothing_in_view(raw, expected);
+  const auto percent = [&](double value) { return expected.sought ? rounded(value) : "none"; };
   return "depth error bias " + in_mm(raw.depth.bias_m) + " mm, RMS " + in_mm(raw.depth.rms_m) +
          " mm, P95 " + in_mm(raw.depth.p95_m) + " mm, " + rounded(100 * raw.depth.outlier_share) +
          " % beyond 10 mm, over " + std::to_string(raw.depth.n) + " pixels\nsurface     missed " +

@@ -12,6 +12,7 @@
 #include "bench/output/picture/label_picture.h"
 #include "bench/output/picture/map_codes.h"
 #include "bench/output/report.h"
+#include "bench/results/error.h"
 #include "bench/studies/tables/paper.h"
 
 namespace wobblebench::bench {
@@ -23,10 +24,6 @@ constexpr std::size_t kNameColumns = 12;
 
 double mm(double metres) {
   return metres / kMillimetre;
-}
-
-double degrees(double radians) {
-  return radians / kDegree;
 }
 
 std::string trimmed(const std::string& text) {
@@ -164,101 +161,51 @@ Chart cumulative(std::vector<double> errors) {
 }
 
 Table depth_table(const PictureMeasures& error) {
+  static constexpr const Measure* kShown[] = {&error::kBias,
+                                              &error::kRms,
+                                              &error::kMedian,
+                                              &error::kP95,
+                                              &error::kMax,
+                                              &error::kOutliers,
+                                              &error::kPixels};
   Table table{.name = "depth_error",
               .caption = "Signed error of depth; P95 and the greatest of its magnitude",
-              .columns = {{"of", "depth"},
-                          {"bias_mm", "bias", "mm", 3},
-                          {"rms_mm", "RMS", "mm", 3},
-                          {"median_mm", "median", "mm", 3},
-                          {"p95_mm", "P95", "mm", 3},
-                          {"max_mm", "greatest", "mm"},
-                          {"outliers_percent", "beyond 10 mm", "%"},
-                          {"normal_median_deg", "normals, median", "°", 1},
-                          {"normal_p95_deg", "normals, P95", "°", 1},
-                          {"pixels"}}};
-  const auto add = [&](const char* name, const DepthError& of) {
-    const DepthStatistics& depth = of.depth;
-    table.add({name,
-               mm(depth.bias_m),
-               mm(depth.rms_m),
-               mm(depth.median_m),
-               mm(depth.p95_m),
-               mm(depth.max_m),
-               100 * depth.outlier_share,
-               degrees(of.normal.median_rad),
-               degrees(of.normal.p95_rad),
-               depth.n});
-  };
-  add("found", error.raw);
-  add("filtered for shading", error.filtered);
+              .columns = columns_of({{"of", "depth"}}, kShown)};
+  table.add(cells_of({"found"}, described(error.raw.depth), kShown));
+  table.add(cells_of({"filtered for shading"}, described(error.filtered.depth), kShown));
   return table;
 }
 
-Table surface_table(const PictureMeasures& error) {
-  const DepthError& raw = error.raw;
-  const double none = std::nan(""), all = 0.01 * raw.pixels;
-  Table table{.name = "surface",
-              .caption = "Surface by its pixels, and by its area",
-              .columns = {{"surface"},
-                          {"picture_percent", "of the picture", "%"},
-                          {"area_percent", "of the surface's area", "%"}}};
-  table.add({"true, in view", raw.surface / all, none});
-  if (raw.surface_in_view()) {
-    table.add({"missed", raw.missed_percent(), raw.missed_surface_percent()});
-    table.add({"false", raw.false_percent(), raw.false_surface_percent()});
+/// Every figure of the whole picture that is formed.
+Table picture_table(const PictureMeasures& error) {
+  const Measurements found = described(error, ExpectedSurface());
+  Table table{.name = "picture",
+              .caption = "Every figure of the picture",
+              .columns = {{"figure"}, {"value", "value", "", 4, true}, {"unit"}, {"what"}}};
+  for (const Measure* one : picture_measures()) {
+    const double value = found.value(*one);
+    if (std::isnan(value)) continue;
+    table.add({Cell::code(one->key), value, unit_of(one->key).name, one->help});
   }
-  table.add({"unseen: grazing", raw.grazing / all, none});
-  if (const RegionError* grazing = error.grazing()) {
-    table.add({"of it not found", grazing->missed / all, none});
-  }
-  table.add({"unseen: shadowed", raw.shadowed / all, none});
-  table.add({"unseen: outside the field", raw.outside_field / all, none});
   return table;
-}
-
-/// The measures of the whole picture that need no columns of their own.
-Text other_measures(const PictureMeasures& error) {
-  std::string text;
-  if (std::isfinite(error.shaded.ssim)) {
-    text += "- The shaded picture against the truth shaded alike: SSIM " +
-            fixed(error.shaded.ssim, 3) + ", PSNR " + fixed(error.shaded.psnr_db, 1) + " dB\n";
-  }
-  if (const auto& distance = error.distance; distance && std::isfinite(distance->mean_m)) {
-    text += "- Distance in space between the surfaces, both ways: mean " +
-            fixed(mm(distance->mean_m), 3) + " mm, P95 " + fixed(mm(distance->p95_m), 3) +
-            " mm, Hausdorff 95 " + fixed(mm(distance->hausdorff95_m), 3) + " mm\n";
-  }
-  return {text};
 }
 
 Table region_table(const PictureMeasures& error) {
+  static constexpr const Measure* kShown[] = {&error::kSurface,
+                                              &error::kBias,
+                                              &error::kRms,
+                                              &error::kMedian,
+                                              &error::kP95,
+                                              &error::kMissedSurface,
+                                              &error::kFalse,
+                                              &error::kNormalMedian,
+                                              &error::kPixels};
   Table table{.name = "regions",
               .caption = "Errors by region of the picture",
-              .columns = {{"group"},
-                          {"region"},
-                          {"surface_percent", "of the picture", "%"},
-                          {"bias_mm", "bias", "mm"},
-                          {"rms_mm", "RMS", "mm"},
-                          {"median_mm", "median", "mm"},
-                          {"p95_mm", "P95", "mm"},
-                          {"missed_surface_percent", "missed, of its area", "%"},
-                          {"false_percent", "false, of the picture", "%"},
-                          {"normal_median_deg", "normals, median", "°", 1},
-                          {"pixels"}}};
-  const double all = 0.01 * error.raw.pixels;
+              .columns = columns_of({{"group"}, {"region"}}, kShown)};
   for (const RegionError& region : error.regions) {
-    const bool has_false = region.group == "silhouette";
-    table.add({region.group,
-               region.name,
-               region.surface / all,
-               mm(region.depth.bias_m),
-               mm(region.depth.rms_m),
-               mm(region.depth.median_m),
-               mm(region.depth.p95_m),
-               region.missed_surface_percent(),
-               has_false ? Cell(region.false_surface / all) : Cell(),
-               degrees(region.normal.median_rad),
-               region.depth.n});
+    table.add(
+        cells_of({region.group, region.name}, described(region, error, ExpectedSurface()), kShown));
   }
   return table;
 }
@@ -290,11 +237,10 @@ void add_errors(const PictureResult& result, const ResolvedScene& scene, Documen
   const PictureMeasures& error = result.comparison->error;
   page.add(error_figure(error.raw.map_m));
   page.add(depth_table(error));
-  page.add(surface_table(error));
+  page.add(picture_table(error));
   page.add(
       Picture{"truth_reason.png",
               "Why each pixel has a true surface or none: `truth_reason` of truth_depth.exr."});
-  page.add(other_measures(error));
   page.add(Heading{"Where errors are"});
   Figure regions = region_figure(error);
   if (!regions.panels.empty()) page.add(std::move(regions));

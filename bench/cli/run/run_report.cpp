@@ -184,7 +184,7 @@ std::string run_report(const RunResult& result,
   report["error"] = nullptr;
   report["fit"] = {{"registration", nullptr}, {"why_not", why_not_registered(result)}};
   if (const auto& comparison = result.comparison) {
-    report["error"] = error_json(comparison->error, sought_in(scene));
+    report["error"] = error_json(comparison->error, expected_surface(scene));
     if (comparison->labels) {
       report["labels"] = labels_json(comparison->truth, *comparison->labels);
     }

@@ -217,7 +217,7 @@ std::string score_report(const FoundSurface& found,
   report["board"] = {{"volume", volume}};  // where `run` has it
   report["camera"] = camera_json(scene.view().camera);
   report["truth"] = "simulated scene";
-  report["error"] = error_json(result.comparison->error, sought_in(scene));
+  report["error"] = error_json(result.comparison->error, expected_surface(scene));
   report["wall_ms"] = wall_json(progress.times());
   return report_text(report);
 }

@@ -108,9 +108,7 @@ VolumeError error_of(const KeptDepth& kept,
   const auto first = scene.plan().stick_time(scene.plan().first_sequence(kept.volume));
   return {.volume = kept.volume,
           .time_s = 1e-3 * to_milliseconds(first.time_since_epoch()),
-          .depth = error.depth,
-          .missed_percent = error.surface_in_view() ? error.missed_percent() : kNotFormed,
-          .false_percent = error.surface_in_view() ? error.false_percent() : kNotFormed};
+          .found = described(error)};
 }
 
 std::string why_no_errors(const Arguments& arguments, const ResolvedScene& scene) {
@@ -263,11 +261,10 @@ void write_pictures(StreamSink& sink,
 }
 
 /// The largest magnitude over the measured volumes, NaN where a volume has none.
-double worst(const std::vector<VolumeError>& errors,
-             const std::function<double(const VolumeError&)>& figure) {
+double worst(const std::vector<VolumeError>& errors, const Measure& figure) {
   double most = errors.empty() ? kNotFormed : 0;
   for (const VolumeError& error : errors) {
-    const double value = std::abs(figure(error));
+    const double value = std::abs(error.found.value(figure));
     most = std::isnan(value) ? value : std::max(most, value);
     if (std::isnan(most)) break;
   }
@@ -282,24 +279,22 @@ double renderer_ms(const StreamSummary& summary) {
 /// Those that --limit takes: errors are of the worst measured volume. Of a report without errors
 /// only the names are of use.
 std::vector<LimitedFigure> limited_figures(const StreamReport& report) {
-  using E = const VolumeError&;
-  const auto error = [&](const std::function<double(E)>& figure) {
-    return worst(report.errors, figure);
-  };
   const hw::BoardAccount& account = report.result.reader.account;
   const double emitted = static_cast<double>(account.emitted);
   const std::string why = report.errors.empty() ? report.why_no_errors : "no surface is in view";
-  return {{"p95_mm", error([](E e) { return e.depth.p95_m / kMillimetre; }), why},
-          {"rms_mm", error([](E e) { return e.depth.rms_m / kMillimetre; }), why},
-          {"median_mm", error([](E e) { return e.depth.median_m / kMillimetre; }), why},
-          {"bias_mm", error([](E e) { return e.depth.bias_m / kMillimetre; }), why},
-          {"missed_percent", error([](E e) { return e.missed_percent; }), why},
-          {"false_percent", error([](E e) { return e.false_percent; }), why},
-          {"frame_ms", renderer_ms(report.summary)},
-          {"age_oldest_p99_ms", report.summary.age_oldest.p99},
-          {"age_newest_p99_ms", report.summary.age_newest.p99},
-          {"interval_p99_ms", report.summary.interval.p99, "fewer than two pictures were shown"},
-          {"lost_percent", 100 * static_cast<double>(account.lost.total()) / emitted}};
+  std::vector<LimitedFigure> figures;
+  for (const MeasuredValue& one : described(DepthError())) {
+    if (one.measure->worse == Worse::neither) continue;
+    figures.push_back({one.measure->key, worst(report.errors, *one.measure), why});
+  }
+  figures.insert(
+      figures.end(),
+      {{"frame_ms", renderer_ms(report.summary)},
+       {"age_oldest_p99_ms", report.summary.age_oldest.p99},
+       {"age_newest_p99_ms", report.summary.age_newest.p99},
+       {"interval_p99_ms", report.summary.interval.p99, "fewer than two pictures were shown"},
+       {"lost_percent", 100 * static_cast<double>(account.lost.total()) / emitted}});
+  return figures;
 }
 
 std::vector<std::string> limited_names() {

@@ -6,6 +6,7 @@
 #include "base/number_text.h"
 #include "base/units.h"
 #include "bench/cli/board_report.h"
+#include "bench/results/error.h"
 #include "bench/studies/latency/latency_spans_report.h"
 
 namespace wobblebench::bench {
@@ -72,14 +73,6 @@ Table percentile_table(const StreamSummary& summary) {
   return table;
 }
 
-Table load_table(const StreamSummary& summary) {
-  Table table{.name = "loads",
-              .caption = "How long each stage works for a volume",
-              .columns = {{"stage"}, {"ms_per_volume", "time", "ms", 1}}};
-  for (const StageLoad& load : summary.loads) table.add({load.stage, load.ms_per_volume});
-  return table;
-}
-
 Table dropped_table(const StreamResult& result) {
   Table table{.name = "dropped",
               .caption = "What was delivered by the board and not shown",
@@ -106,28 +99,18 @@ Table queue_table(const StreamResult& result) {
 }
 
 Table stream_errors_table(const StreamReport& report) {
+  static constexpr const Measure* kShown[] = {&error::kBias,
+                                              &error::kMedian,
+                                              &error::kRms,
+                                              &error::kP95,
+                                              &error::kMissed,
+                                              &error::kFalse,
+                                              &error::kPixels};
   Table table{.name = "errors",
               .caption = "Depth errors of volumes, each against the truth at its own time",
-              .columns = {{"volume"},
-                          {"time_s", "first stick", "s"},
-                          {"bias_mm", "bias", "mm", 3},
-                          {"median_mm", "median", "mm", 3},
-                          {"rms_mm", "RMS", "mm", 3},
-                          {"p95_mm", "P95", "mm", 3},
-                          {"missed_percent", "missed", "%"},
-                          {"false_percent", "false", "%"},
-                          {"pixels"}}};
+              .columns = columns_of({{"volume"}, {"time_s", "first stick", "s"}}, kShown)};
   for (const VolumeError& error : report.errors) {
-    const DepthStatistics& depth = error.depth;
-    table.add({error.volume,
-               error.time_s,
-               depth.bias_m / kMillimetre,
-               depth.median_m / kMillimetre,
-               depth.rms_m / kMillimetre,
-               depth.p95_m / kMillimetre,
-               error.missed_percent,
-               error.false_percent,
-               depth.n});
+    table.add(cells_of({error.volume, error.time_s}, error.found, kShown));
   }
   return table;
 }
@@ -144,6 +127,13 @@ Series not_shown(const std::deque<PictureTimes>& records) {
 }
 
 }  // namespace
+
+Table load_table(const StreamSummary& summary) {
+  return table_of<StageLoad>({.name = "loads", .caption = "How long each stage works for a volume"},
+                             summary.loads,
+                             {{{"stage"}, &StageLoad::stage},
+                              {{"ms_per_volume", "time", "ms", 1}, &StageLoad::ms_per_volume}});
+}
 
 Figure ages_figure(const StreamReport& report) {
   const auto& records = report.result.records;

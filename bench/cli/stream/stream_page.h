@@ -17,6 +17,8 @@ Table stream_ages(const StreamReport& report);
 /// From when a stick was scheduled to be fired, or else acquired, until the picture was ready.
 double age_ms(const StickTimes& stick, const PictureTimes& times, bool scheduled);
 
+Table load_table(const StreamSummary& summary);
+
 /// Ages of the oldest and the newest echo of each picture, and the volumes that were not shown.
 Figure ages_figure(const StreamReport& report);
 

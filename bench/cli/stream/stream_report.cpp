@@ -7,8 +7,10 @@
 #include "base/statistics.h"
 #include "base/units.h"
 #include "bench/cli/board_report.h"
+#include "bench/cli/stream/stream_page.h"
 #include "bench/output/report.h"
 #include "bench/pipeline/motor_warning.h"
+#include "bench/results/error.h"
 #include "bench/studies/latency/latency_spans_report.h"
 
 namespace wobblebench::bench {
@@ -30,10 +32,6 @@ Json dropped_json(const StreamResult& result) {
 Json latency_json(const StreamReport& report) {
   const StreamSummary& summary = report.summary;
   const Bottleneck bottleneck = bottleneck_of(summary);
-  Json loads = Json::array();
-  for (const StageLoad& load : summary.loads) {
-    loads.push_back({{"stage", load.stage}, {"ms_per_volume", load.ms_per_volume}});
-  }
   return {
       {"clock", "wall"},
       {"ages_from", summary.scheduled ? "scheduled emission" : "acquisition"},
@@ -46,7 +44,7 @@ Json latency_json(const StreamReport& report) {
       {"pictures_per_s", summary.pictures_per_s},
       {"interval_ms", percentiles_json(summary.interval)},
       {"jitter_ms", number(summary.jitter_ms)},
-      {"loads", loads},
+      {"loads", to_json(load_table(summary))},
       {"bottleneck", bottleneck.stage},
       {"times_the_next", number(bottleneck.times_the_next)},
       {"shown", {{"volumes", report.result.shown.volumes}, {"sticks", report.result.shown.sticks}}},
@@ -65,17 +63,8 @@ Json queues_json(const StreamResult& result) {
 Json errors_json(const StreamReport& report) {
   Json errors = Json::array();
   for (const VolumeError& error : report.errors) {
-    const DepthStatistics& depth = error.depth;
-    errors.push_back({{"volume", error.volume},
-                      {"time_s", error.time_s},
-                      {"depth_mm",
-                       {{"bias", number(depth.bias_m / kMillimetre)},
-                        {"median", number(depth.median_m / kMillimetre)},
-                        {"rms", number(depth.rms_m / kMillimetre)},
-                        {"p95", number(depth.p95_m / kMillimetre)},
-                        {"n", depth.n}}},
-                      {"missed_percent", number(error.missed_percent)},
-                      {"false_percent", number(error.false_percent)}});
+    errors.push_back({{"volume", error.volume}, {"time_s", error.time_s}});
+    errors.back().update(to_json(error.found));
   }
   return errors;
 }
@@ -133,8 +122,8 @@ std::string errors_text(const StreamReport& report) {
   if (report.errors.empty()) return "depth error none: " + report.why_no_errors + "\n";
   std::vector<double> medians, p95;
   for (const VolumeError& error : report.errors) {
-    medians.push_back(error.depth.median_m / kMillimetre);
-    p95.push_back(error.depth.p95_m / kMillimetre);
+    medians.push_back(error.found.value(error::kMedian));
+    p95.push_back(error.found.value(error::kP95));
   }
   const auto range = [](const std::vector<double>& values) {
     const Spread spread = spread_of(values);

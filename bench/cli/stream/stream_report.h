@@ -19,8 +19,7 @@ namespace wobblebench::bench {
 struct VolumeError {
   std::uint32_t volume = 0;
   double time_s = 0;  ///< of its first stick, on the device's clock
-  DepthStatistics depth;
-  double missed_percent = 0, false_percent = 0;  ///< of the picture; NaN: no surface is in view
+  Measurements found;
 };
 
 struct VideoSummary {

@@ -11,6 +11,7 @@
 #include "base/parallel.h"
 #include "base/statistics.h"
 #include "bench/evaluation/truth/truth.h"
+#include "bench/results/error.h"
 
 namespace wobblebench::bench {
 
@@ -131,6 +132,25 @@ DepthStatistics depth_statistics(std::vector<double> errors_m) {
   result.outlier_share = static_cast<double>(outliers) / result.n;
   result.p95_m = quantile(std::move(errors_m), 0.95);
   return result;
+}
+
+void describe(const DepthStatistics& depth, Measurements& to) {
+  to.add(error::kBias, depth.bias_m / kMillimetre);
+  to.add(error::kRms, depth.rms_m / kMillimetre);
+  to.add(error::kMedian, depth.median_m / kMillimetre);
+  to.add(error::kP95, depth.p95_m / kMillimetre);
+  to.add(error::kMax, depth.max_m / kMillimetre);
+  to.add(error::kOutliers, 100 * depth.outlier_share);
+  to.add(error::kPixels, depth.n);
+}
+
+void describe(const DepthError& found, Measurements& to) {
+  to.group("depth_mm");
+  describe(found.depth, to);
+  to.group("");
+  const bool in_view = found.surface_in_view();
+  to.add(error::kMissed, in_view ? found.missed_percent() : kUnset);
+  to.add(error::kFalse, in_view ? found.false_percent() : kUnset);
 }
 
 NormalStatistics normal_statistics(std::vector<double> angles_rad) {

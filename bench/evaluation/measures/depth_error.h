@@ -6,6 +6,7 @@
 #include "base/image.h"
 #include "base/units.h"
 #include "bench/evaluation/truth/truth.h"
+#include "bench/results/measure.h"
 #include "render/camera.h"
 
 namespace wobblebench::bench {
@@ -24,6 +25,7 @@ struct DepthStatistics {
   int n = 0;  ///< pixels with both surfaces; the other fields are NaN where this is 0
 };
 DepthStatistics depth_statistics(std::vector<double> errors_m);
+void describe(const DepthStatistics& depth, Measurements& to);
 
 /// Angle between measured and true surface normal; NaN where n is 0.
 struct NormalStatistics {
@@ -77,13 +79,16 @@ struct DepthError {
   double false_surface_percent() const { return 100.0 * false_m2 / found_m2; }
 };
 
+/// Percentages are not formed where no surface is in view.
+void describe(const DepthError& found, Measurements& to);
+
 /// Depths of neighbouring pixels that differ by more belong to different surfaces: their slope
 /// would be 83 degrees at 0.4 mm a pixel.
 inline constexpr double kSurfaceJump_m = 3e-3;
 
-/// Compares measured depths with the truth. Measured normals are central differences of `depth_m`;
-/// the area of a measured pixel beside a gap or a jump of the measured surface is that of a surface
-/// that faces the viewer.
+/// Compares measured depths with the truth. MeasuredValue normals are central differences of
+/// `depth_m`; the area of a measured pixel beside a gap or a jump of the measured surface is that
+/// of a surface that faces the viewer.
 DepthError measure_depth_error(const Image<float>& depth_m,
                                const Truth& truth,
                                const render::Camera& camera);

@@ -1,14 +1,15 @@
 #include "bench/evaluation/measures/picture_measures.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
-#include <functional>
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 #include <stdexcept>
 #include <utility>
 
 #include "base/statistics.h"
+#include "bench/results/error.h"
 #include "render/reference/reference.h"
 
 namespace wobblebench::bench {
@@ -44,86 +45,96 @@ cv::Mat windowed(const cv::Mat& image) {
   return mean;
 }
 
-/// What a row is filled from: the whole picture, or one of its regions.
-struct Source {
-  const PictureMeasures& picture;
-  const RegionError* region;  ///< null: the whole picture
-
-  const DepthStatistics& depth() const { return region ? region->depth : picture.raw.depth; }
-  const NormalStatistics& normal() const {
-    return region ? region->normal : picture.filtered.normal;
-  }
-  const NormalStatistics& raw_normal() const {
-    return region ? region->raw_normal : picture.raw.normal;
-  }
-  int surface() const { return region ? region->surface : picture.raw.surface; }
-  int missed() const { return region ? region->missed : picture.raw.missed; }
-  double share(int count) const { return 100.0 * count / picture.raw.pixels; }
-
-  double missed_percent() const { return surface() > 0 ? share(missed()) : kUnset; }
-  double missed_surface_percent() const {
-    return region ? region->missed_surface_percent() : picture.raw.missed_surface_percent();
-  }
-  double false_percent() const {
-    if (!picture.raw.surface_in_view()) return kUnset;
-    if (!region) return picture.raw.false_percent();
-    return region->group == "silhouette" ? share(region->false_surface) : kUnset;
-  }
-  double false_surface_percent() const {
-    const bool formed = !region && picture.raw.surface_in_view();
-    return formed ? picture.raw.false_surface_percent() : kUnset;
-  }
-  /// Percentage of the pixels that sticks graze.
-  double grazing_missed_percent() const {
-    const RegionError* grazing = region ? nullptr : picture.grazing();
-    return grazing ? grazing->missed_pixels_percent() : kUnset;
-  }
-  double grazing_p95_m() const {
-    const RegionError* grazing = region ? nullptr : picture.grazing();
-    return grazing ? grazing->depth.p95_m : kUnset;
-  }
-  double distance(double SurfaceDistance::*member) const {
-    return region || !picture.distance ? kUnset : *picture.distance.*member / kMillimetre;
-  }
-};
-
-using Column = std::pair<std::string, std::function<double(const Source&)>>;
-
-const std::vector<Column>& columns() {
-  static const std::vector<Column> all = {
-      {"bias_mm", [](const Source& s) { return s.depth().bias_m / kMillimetre; }},
-      {"median_mm", [](const Source& s) { return s.depth().median_m / kMillimetre; }},
-      {"rms_mm", [](const Source& s) { return s.depth().rms_m / kMillimetre; }},
-      {"p95_mm", [](const Source& s) { return s.depth().p95_m / kMillimetre; }},
-      {"max_mm", [](const Source& s) { return s.depth().max_m / kMillimetre; }},
-      {"outliers_percent", [](const Source& s) { return 100 * s.depth().outlier_share; }},
-      {"pixels", [](const Source& s) { return 1.0 * s.depth().n; }},
-      {"surface_percent", [](const Source& s) { return s.share(s.surface()); }},
-      {"missed_percent", [](const Source& s) { return s.missed_percent(); }},
-      {"missed_surface_percent", [](const Source& s) { return s.missed_surface_percent(); }},
-      {"false_percent", [](const Source& s) { return s.false_percent(); }},
-      {"false_surface_percent", [](const Source& s) { return s.false_surface_percent(); }},
-      {"grazing_missed_percent", [](const Source& s) { return s.grazing_missed_percent(); }},
-      {"grazing_p95_mm", [](const Source& s) { return s.grazing_p95_m() / kMillimetre; }},
-      {"normal_mean_deg", [](const Source& s) { return s.normal().mean_rad / kDegree; }},
-      {"normal_median_deg", [](const Source& s) { return s.normal().median_rad / kDegree; }},
-      {"normal_p95_deg", [](const Source& s) { return s.normal().p95_rad / kDegree; }},
-      {"raw_normal_mean_deg", [](const Source& s) { return s.raw_normal().mean_rad / kDegree; }},
-      {"raw_normal_median_deg",
-       [](const Source& s) { return s.raw_normal().median_rad / kDegree; }},
-      {"raw_normal_p95_deg", [](const Source& s) { return s.raw_normal().p95_rad / kDegree; }},
-      {"distance_mean_mm", [](const Source& s) { return s.distance(&SurfaceDistance::mean_m); }},
-      {"distance_p95_mm", [](const Source& s) { return s.distance(&SurfaceDistance::p95_m); }},
-      {"hausdorff95_mm",
-       [](const Source& s) { return s.distance(&SurfaceDistance::hausdorff95_m); }},
-      {"ssim", [](const Source& s) { return s.region ? kUnset : s.picture.shaded.ssim; }}};
-  return all;
+void describe(const NormalStatistics& normal,
+              const std::array<const Measure*, 4>& as,
+              Measurements& to) {
+  to.add(*as[0], normal.mean_rad / kDegree);
+  to.add(*as[1], normal.median_rad / kDegree);
+  to.add(*as[2], normal.p95_rad / kDegree);
+  to.add(*as[3], normal.n);
 }
 
-MeasureRow row_of(const std::string& group, const std::string& region, const Source& source) {
-  MeasureRow row{group, region, {}};
-  for (const auto& [name, value] : columns()) row.values.push_back(value(source));
-  return row;
+constexpr std::array kNormal = {
+    &error::kNormalMean, &error::kNormalMedian, &error::kNormalP95, &error::kNormalPixels};
+constexpr std::array kRawNormal = {&error::kRawNormalMean,
+                                   &error::kRawNormalMedian,
+                                   &error::kRawNormalP95,
+                                   &error::kRawNormalPixels};
+
+void describe(const DirectedDistance& distance, Measurements& to) {
+  to.add(error::kDistanceMean, distance.mean_m / kMillimetre);
+  to.add(error::kDistanceP95, distance.p95_m / kMillimetre);
+  to.add(error::kDistanceMax, distance.max_m / kMillimetre);
+  to.add(error::kDistancePixels, distance.n);
+}
+
+void describe(const SurfaceDistance& distance, Measurements& to) {
+  to.group("surface_distance_mm");
+  to.add(error::kDistanceMean, distance.mean_m / kMillimetre);
+  to.add(error::kDistanceP95, distance.p95_m / kMillimetre);
+  to.add(error::kHausdorff95, distance.hausdorff95_m / kMillimetre);
+  to.group("surface_distance_mm/found_to_true");
+  describe(distance.found_to_true, to);
+  to.group("surface_distance_mm/true_to_found");
+  describe(distance.true_to_found, to);
+}
+
+/// Whether a found surface where there is no true one is wrong.
+bool counts_false(const DepthError& raw, const ExpectedSurface& expected) {
+  return raw.surface_in_view() || (expected.in_phantom && raw.false_surface > 0);
+}
+
+/// What is said of a whole picture and of its regions. `has_false`: its false surface is counted.
+template <class Part>
+void describe_part(const Part& part,
+                   int pixels,
+                   bool has_false,
+                   const ExpectedSurface& expected,
+                   Measurements& to) {
+  const auto percent = [&](bool formed, double value) {
+    return expected.sought && formed ? value : kUnset;
+  };
+  const auto share = [&](int count) { return 100.0 * count / pixels; };
+  to.group("depth_mm");
+  describe(part.depth, to);
+  to.group("");
+  to.add(error::kSurface, share(part.surface));
+  to.add(error::kSurfaceArea, 1e4 * part.surface_m2);
+  to.add(error::kMissed, percent(part.surface > 0, share(part.missed)));
+  to.add(error::kMissedSurface, percent(part.surface > 0, part.missed_surface_percent()));
+  to.add(error::kFalse, percent(has_false, share(part.false_surface)));
+}
+
+void describe_normals(const NormalStatistics& raw,
+                      const NormalStatistics& filtered,
+                      Measurements& to) {
+  to.group("normal_deg");
+  describe(filtered, kNormal, to);
+  to.group("raw_normal_deg");
+  describe(raw, kRawNormal, to);
+  to.group("");
+}
+
+/// Without a surface there: no pixels, all NaN.
+RegionError region_of(const PictureMeasures& measures,
+                      const std::string& group,
+                      const std::string& name) {
+  const auto found = std::ranges::find_if(measures.regions, [&](const RegionError& region) {
+    return region.group == group && region.name == name;
+  });
+  return found == measures.regions.end() ? RegionError{.depth = depth_statistics({})} : *found;
+}
+
+void describe_regions(const PictureMeasures& measures,
+                      const ExpectedSurface& expected,
+                      Measurements& to) {
+  const RegionError outside = region_of(measures, "silhouette", "outside");
+  to.add(error::kOutsideRms, outside.depth.rms_m / kMillimetre);
+  to.add(error::kOutsideP95, outside.depth.p95_m / kMillimetre);
+  const RegionError grazing = region_of(measures, "unseen", "grazing");
+  const bool formed = expected.sought && grazing.surface > 0;
+  to.add(error::kGrazingMissed, formed ? grazing.missed_pixels_percent() : kUnset);
+  to.add(error::kGrazingP95, grazing.depth.p95_m / kMillimetre);
 }
 
 }  // namespace
@@ -176,13 +187,6 @@ PictureMeasures measure_picture(const render::Picture& picture,
   return measures;
 }
 
-const RegionError* PictureMeasures::grazing() const {
-  const auto found = std::ranges::find_if(regions, [](const RegionError& region) {
-    return region.group == "unseen" && region.name == "grazing" && region.surface > 0;
-  });
-  return found == regions.end() ? nullptr : &*found;
-}
-
 std::string why_no_surface(const DepthError& error) {
   if (error.surface_in_view()) return "";
   const int unseen = error.outside_field + error.grazing + error.shadowed;
@@ -196,19 +200,80 @@ std::string why_no_surface(const DepthError& error) {
          " shadowed";
 }
 
-const std::vector<std::string>& measure_names() {
-  static const std::vector<std::string> names = [] {
-    std::vector<std::string> all;
-    for (const auto& [name, value] : columns()) all.push_back(name);
-    return all;
+void describe(const RegionError& region,
+              const PictureMeasures& of,
+              const ExpectedSurface& expected,
+              Measurements& to) {
+  const bool has_false = region.group == "silhouette" && counts_false(of.raw, expected);
+  describe_part(region, of.raw.pixels, has_false, expected, to);
+  describe_normals(region.raw_normal, region.normal, to);
+}
+
+void describe(const PictureMeasures& measures, const ExpectedSurface& expected, Measurements& to) {
+  const DepthError& raw = measures.raw;
+  const bool has_false = counts_false(raw, expected);
+  describe_part(raw, raw.pixels, has_false, expected, to);
+  to.add(error::kFalseSurface, expected.sought && has_false ? raw.false_surface_percent() : kUnset);
+  to.add(error::kMissedOrFalse, to.value(error::kMissed) + to.value(error::kFalse));
+  to.add(error::kFoundArea, 1e4 * raw.found_m2);
+  to.add(error::kOutsideField, 100.0 * raw.outside_field / raw.pixels);
+  to.add(error::kGrazing, 100.0 * raw.grazing / raw.pixels);
+  to.add(error::kShadowed, 100.0 * raw.shadowed / raw.pixels);
+  describe_regions(measures, expected, to);
+  describe_normals(raw.normal, measures.filtered.normal, to);
+  if (measures.distance) describe(*measures.distance, to);
+  to.group("shaded_against_truth");
+  to.add(error::kSsim, measures.shaded.ssim);
+  to.add(error::kPsnr, measures.shaded.psnr_db);
+  to.group("filtered_depth_mm");
+  describe(measures.filtered.depth, to);
+}
+
+namespace {
+
+const Measurements& all_of_pictures() {
+  static const Measurements all = [] {
+    PictureMeasures measures;
+    measures.distance.emplace();
+    return described(measures, ExpectedSurface());
   }();
-  return names;
+  return all;
+}
+
+}  // namespace
+
+const std::vector<const Measure*>& picture_measures() {
+  static const std::vector<const Measure*> different = [] {
+    std::vector<const Measure*> found;
+    for (const MeasuredValue& one : all_of_pictures()) {
+      if (all_of_pictures().find(one.measure->key) == &one) found.push_back(one.measure);
+    }
+    return found;
+  }();
+  return different;
+}
+
+std::string place_in_report(const Measure& measure) {
+  return "/error" + all_of_pictures().find(measure.key)->place;
+}
+
+std::size_t measure_index(std::string_view key) {
+  const auto& all = picture_measures();
+  const auto found = std::ranges::find(all, key, [](const Measure* one) { return one->key; });
+  if (found == all.end()) throw std::out_of_range("no measure " + std::string(key));
+  return static_cast<std::size_t>(found - all.begin());
 }
 
 std::vector<MeasureRow> measure_rows(const PictureMeasures& measures) {
-  std::vector<MeasureRow> rows = {row_of("picture", "all", {measures, nullptr})};
+  const auto values = [](const Measurements& found) {
+    std::vector<double> all;
+    for (const Measure* measure : picture_measures()) all.push_back(found.value(*measure));
+    return all;
+  };
+  const ExpectedSurface expected;
+  std::vector<MeasureRow> rows = {{"picture", "all", values(described(measures, expected))}};
   for (const RegionError& region : measures.regions) {
-    rows.push_back(row_of(region.group, region.name, {measures, &region}));
+    rows.push_back({region.group, region.name, values(described(region, measures, expected))});
   }
   return rows;
 }

@@ -4,6 +4,7 @@
 #include <glm/vec3.hpp>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -32,11 +33,21 @@ struct PictureMeasures {
   ImageSimilarity shaded;  ///< surface image against the truth shaded alike; NaN: not formed
   std::vector<RegionError> regions;
   std::optional<SurfaceDistance> distance;  ///< none: not asked for
-
-  /// Of the true surface that sticks graze (TruthKind::grazing): what was found of it. Null where
-  /// there is none.
-  const RegionError* grazing() const;
 };
+
+/// Which figures of the surface can be formed.
+struct ExpectedSurface {
+  bool sought = true;  ///< by the renderer; in mode "volume" none is missed
+  /// What a detector finds without a surface to detect, among point scatterers, or within tissue
+  /// that fills the picture, is neither right nor false.
+  bool in_phantom = false;
+};
+
+void describe(const PictureMeasures& measures, const ExpectedSurface& expected, Measurements& to);
+void describe(const RegionError& region,
+              const PictureMeasures& of,
+              const ExpectedSurface& expected,
+              Measurements& to);
 
 /// Measures that take long and may be left out.
 struct MeasureChoice {
@@ -71,13 +82,17 @@ Image<glm::vec3> shade_truth(const Truth& truth,
 /// Why no true surface is in view that the probe can see; empty: one is.
 std::string why_no_surface(const DepthError& error);
 
-/// Names of the columns, with their units: bias_mm, p95_mm, missed_percent …
-const std::vector<std::string>& measure_names();
+/// All figures of a picture.
+const std::vector<const Measure*>& picture_measures();
+/// Of one of them in report.json, as a JSON pointer.
+std::string place_in_report(const Measure& measure);
+/// In picture_measures(). Throws std::out_of_range.
+std::size_t measure_index(std::string_view key);
 
 struct MeasureRow {
   std::string group;           ///< that of RegionError; "picture": the whole picture
   std::string region;          ///< "all" for the whole picture
-  std::vector<double> values;  ///< one for each name; NaN: not formed, or not for regions
+  std::vector<double> values;  ///< of picture_measures(); NaN: not formed, or not for regions
 };
 
 /// The whole picture first, then its regions. Without a surface in view no percentage is formed.

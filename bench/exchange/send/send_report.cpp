@@ -23,30 +23,16 @@ std::string dropped_text(const IgtlClientReport& client) {
 
 Json send_json(const SendReport& report) {
   const SendOptions& options = report.arguments.options;
-  Json json = {{"address", report.address},
-               {"content", options.content},
-               {"spacing_mm", options.spacing_m / kMillimetre},
-               {"type", options.type == SendType::u8 ? "uint8" : "uint16"},
-               {"axes", options.axes == SendAxes::ras ? "ras" : "lps"},
-               {"header", options.header},
-               {"messages", Json::array()},
-               {"clients", Json::array()},
-               {"more_clients", report.server.more_clients},
-               {"refused_clients", report.server.refused}};
-  for (const auto& [device, kind] : report.kinds) {
-    json["messages"].push_back(
-        {{"device", device}, {"made", kind.made}, {"superseded", kind.superseded}});
-  }
-  for (const IgtlClientReport& client : report.server.clients) {
-    json["clients"].push_back({{"address", client.address},
-                               {"seconds", client.seconds},
-                               {"sent", client.sent},
-                               {"bytes", client.bytes},
-                               {"replaced", client.replaced},
-                               {"left", client.left},
-                               {"ending", client.ending}});
-  }
-  return json;
+  return {{"address", report.address},
+          {"content", options.content},
+          {"spacing_mm", options.spacing_m / kMillimetre},
+          {"type", options.type == SendType::u8 ? "uint8" : "uint16"},
+          {"axes", options.axes == SendAxes::ras ? "ras" : "lps"},
+          {"header", options.header},
+          {"messages", to_json(sent_table(report))},
+          {"clients", to_json(clients_table(report))},
+          {"more_clients", report.server.more_clients},
+          {"refused_clients", report.server.refused}};
 }
 
 std::string send_text(const SendReport& report) {
@@ -78,27 +64,19 @@ Table sent_table(const SendReport& report) {
 }
 
 Table clients_table(const SendReport& report) {
-  Table table{.name = "clients",
-              .caption =
-                  "Clients, and messages that each did not get because it was too slow: "
-                  "replaced by a later one, or left when the connection ended",
-              .columns = {{"address"},
-                          {"seconds", "connected", "s", 1},
-                          {"sent", "messages"},
-                          {"megabytes", "sent", "MB", 1},
-                          {"replaced"},
-                          {"left"},
-                          {"ending", "end"}}};
-  for (const IgtlClientReport& client : report.server.clients) {
-    table.add({client.address,
-               client.seconds,
-               client.sent,
-               static_cast<double>(client.bytes) / kMegabyte,
-               client.replaced,
-               client.left,
-               client.ending});
-  }
-  return table;
+  using C = IgtlClientReport;
+  return table_of<C>(
+      {.name = "clients",
+       .caption = "Clients, and messages that each did not get because it was too slow: "
+                  "replaced by a later one, or left when the connection ended"},
+      report.server.clients,
+      {{{"address"}, &C::address},
+       {{"seconds", "connected", "s", 1}, &C::seconds},
+       {{"sent", "messages"}, &C::sent},
+       {{"bytes", "sent", "bytes"}, &C::bytes},
+       {{"replaced"}, &C::replaced},
+       {{"left"}, &C::left},
+       {{"ending", "end"}, &C::ending}});
 }
 
 }  // namespace wobblebench::bench

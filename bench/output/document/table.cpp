@@ -66,6 +66,8 @@ std::string without_sign_of_zero(std::string text) {
 }
 
 nlohmann::ordered_json json_of(const Cell& cell) {
+  if (cell.is_truth()) return cell.text() == "yes";
+
   if (!cell.text().empty()) return cell.text();
   if (!cell.is_number()) return nullptr;
   if (cell.is_whole()) return static_cast<std::int64_t>(cell.number());
@@ -131,6 +133,25 @@ void Table::add(std::vector<Cell> row, std::string id) {
     ids.push_back(std::move(id));
   }
   rows.push_back(std::move(row));
+}
+
+Column column_of(const Measure& measure) {
+  const Unit& unit = unit_of(measure.key);
+  return {measure.key, measure.title, unit.name, unit.digits};
+}
+
+std::vector<Column> columns_of(std::vector<Column> first, Chosen measures) {
+  for (const Measure* measure : measures) first.push_back(column_of(*measure));
+  return first;
+}
+
+std::vector<Cell> cells_of(std::vector<Cell> first, const Measurements& found, Chosen measures) {
+  for (const Measure* measure : measures) {
+    const MeasuredValue* const one = found.find(measure->key);
+    const bool whole = one != nullptr && one->whole;
+    first.push_back(whole ? Cell(std::llround(one->value)) : Cell(found.value(*measure)));
+  }
+  return first;
 }
 
 Table with_columns(const Table& table, const std::vector<std::string>& keys) {

@@ -3,11 +3,15 @@
 
 #include <concepts>
 #include <cstddef>
+#include <functional>
 #include <limits>
 #include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <utility>
 #include <vector>
+
+#include "base/statistics.h"
+#include "bench/results/measure.h"
 
 namespace wobblebench::bench {
 
@@ -29,6 +33,10 @@ class Cell {
   Cell(std::string text) : text_(std::move(text)) {}
   Cell(const char* text) : text_(text) {}
   Cell(double number) : number_(number) {}
+  Cell(const Spread& of) : Cell(spread(of.median, of.min, of.max)) {}
+  template <std::integral Truth>
+  requires std::same_as<Truth, bool> Cell(Truth truth)
+      : text_(truth ? "yes" : "no"), truth_(true) {}
   template <std::integral Integer>
   Cell(Integer number) : number_(static_cast<double>(number)), whole_(true) {}
   // NOLINTEND(google-explicit-constructor)
@@ -46,6 +54,7 @@ class Cell {
   bool is_number() const;
   bool is_whole() const { return whole_; }
   bool is_code() const { return code_; }
+  bool is_truth() const { return truth_; }
   bool has_range() const;
   const std::string& text() const { return text_; }
   double number() const { return number_; }
@@ -65,6 +74,7 @@ class Cell {
   bool is_interval_ = false;  ///< else low and high are those of a spread
   bool whole_ = false;        ///< shown without digits after the point
   bool code_ = false;
+  bool truth_ = false;  ///< "yes" or "no"
   bool bracketed_ = false;
 };
 
@@ -78,7 +88,7 @@ class Cell {
 struct Table {
   std::string name;          ///< short, of [a-z0-9_]: unique in a document
   std::string caption = {};  ///< one sentence or title above it; empty: none
-  std::vector<Column> columns;
+  std::vector<Column> columns = {};
   std::vector<std::vector<Cell>> rows = {};
   /// What each row is about, as points of charts name it (Series::ids); empty, or one a row.
   std::vector<std::string> ids = {};
@@ -86,6 +96,44 @@ struct Table {
   /// Throws std::logic_error where the number of cells is not that of the columns.
   void add(std::vector<Cell> row, std::string id = "");
 };
+
+/// A column, and what stands in it: a member of the rows' type, or a function of a row.
+template <class Row>
+struct Field {
+  Column column;
+  std::function<Cell(const Row&)> cell;
+
+  template <class Value>
+  Field(Column of, Value value)
+      : column(std::move(of)),
+        cell([value](const Row& row) -> Cell { return std::invoke(value, row); }) {}
+};
+
+/// A row for each of `rows`.
+///
+/// @code
+/// struct Pass { std::string name; double ms; };
+/// const std::vector<Pass> passes = {{"filter", 4.2}};
+/// const bench::Table table = bench::table_of<Pass>(
+///     {.name = "passes"}, passes, {{{"pass"}, &Pass::name}, {{"ms", "time", "ms", 1},
+///     &Pass::ms}});
+/// @endcode
+template <class Row, class Rows>
+Table table_of(Table head, const Rows& rows, const std::vector<Field<Row>>& fields) {
+  for (const Field<Row>& field : fields) head.columns.push_back(field.column);
+  for (const Row& row : rows) {
+    std::vector<Cell> cells;
+    for (const Field<Row>& field : fields) cells.push_back(field.cell(row));
+    head.add(std::move(cells));
+  }
+  return head;
+}
+
+Column column_of(const Measure& measure);
+/// Columns of figures, behind others.
+std::vector<Column> columns_of(std::vector<Column> first, Chosen measures);
+/// A row of them, behind other cells.
+std::vector<Cell> cells_of(std::vector<Cell> first, const Measurements& found, Chosen measures);
 
 /// The same rows with the columns of these keys, in this order; keys that are not there are left
 /// out.

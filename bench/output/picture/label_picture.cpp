@@ -227,32 +227,24 @@ Table label_table(const Truth& truth, const Labels& labels) {
 }
 
 Table landmark_table(const Labels& labels) {
-  Table table{.name = "landmarks",
-              .caption = "Landmarks: where they are in the probe frame and in the picture",
-              .columns = {{"name", "landmark"},
-                          {"x_mm", "x", "mm"},
-                          {"y_mm", "y", "mm"},
-                          {"z_mm", "z", "mm"},
-                          {"column", "column", "", 1},
-                          {"row", "row", "", 1},
-                          {"depth_mm", "depth", "mm"},
-                          {"in_picture", "shown by its pixel"},
-                          {"visible", "seen by the probe"},
-                          {"why_not", "why not"}}};
-  for (const SeenLandmark& landmark : labels.landmarks) {
-    const glm::dvec3 mm = landmark.position_m / kMillimetre;
-    table.add({landmark.name,
-               mm.x,
-               mm.y,
-               mm.z,
-               landmark.at.column,
-               landmark.at.row,
-               landmark.at.depth_m / kMillimetre,
-               landmark.in_picture ? 1 : 0,
-               landmark.is_visible() ? 1 : 0,
-               why_not(landmark.kind, landmark.before, labels)});
-  }
-  return table;
+  using L = SeenLandmark;
+  const auto mm = [](int axis) {
+    return [axis](const L& of) { return of.position_m[axis] / kMillimetre; };
+  };
+  return table_of<L>(
+      {.name = "landmarks",
+       .caption = "Landmarks: where they are in the probe frame and in the picture"},
+      labels.landmarks,
+      {{{"name", "landmark"}, &L::name},
+       {{"x_mm", "x", "mm"}, mm(0)},
+       {{"y_mm", "y", "mm"}, mm(1)},
+       {{"z_mm", "z", "mm"}, mm(2)},
+       {{"column", "column", "", 1}, [](const L& of) { return of.at.column; }},
+       {{"row", "row", "", 1}, [](const L& of) { return of.at.row; }},
+       {{"depth_mm", "depth", "mm"}, [](const L& of) { return of.at.depth_m / kMillimetre; }},
+       {{"in_picture", "shown by its pixel"}, [](const L& of) { return of.in_picture ? 1 : 0; }},
+       {{"visible", "seen by the probe"}, [](const L& of) { return of.is_visible() ? 1 : 0; }},
+       {{"why_not", "why not"}, [&](const L& of) { return why_not(of.kind, of.before, labels); }}});
 }
 
 nlohmann::ordered_json labels_json(const Truth& truth, const Labels& labels) {

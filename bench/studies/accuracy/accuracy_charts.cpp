@@ -5,29 +5,25 @@
 #include <limits>
 #include <utility>
 
+#include "bench/results/error.h"
+
 namespace wobblebench::bench {
 
-const std::vector<Column>& picture_columns() {
-  static const std::vector<Column> columns = {
-      {"median_mm", "median", "mm"},
-      {"rms_mm", "RMS", "mm"},
-      {"p95_mm", "P95", "mm"},
-      {"outliers_percent", "beyond 10 mm", "%"},
-      {"missed_percent", "missed", "%"},
-      {"missed_surface_percent", "of the surface", "%"},
-      {"false_percent", "false", "%"},
-      {"false_surface_percent", "of what is found", "%"},
-      {"grazing_missed_percent", "of grazing missed", "%", 0},
-      {"normal_median_deg", "normal, median", "deg", 1},
-      {"distance_mean_mm", "distance, mean", "mm"},
-      {"hausdorff95_mm", "Hausdorff 95", "mm"},
-      {"ssim", "SSIM", "", 3}};
-  return columns;
-}
-
-std::size_t index_of(const std::string& measure) {
-  const auto& names = measure_names();
-  return static_cast<std::size_t>(std::find(names.begin(), names.end(), measure) - names.begin());
+Chosen picture_columns() {
+  static constexpr const Measure* kShown[] = {&error::kMedian,
+                                              &error::kRms,
+                                              &error::kP95,
+                                              &error::kOutliers,
+                                              &error::kMissed,
+                                              &error::kMissedSurface,
+                                              &error::kFalse,
+                                              &error::kFalseSurface,
+                                              &error::kGrazingMissed,
+                                              &error::kNormalMedian,
+                                              &error::kDistanceMean,
+                                              &error::kHausdorff95,
+                                              &error::kSsim};
+  return kShown;
 }
 
 std::string id_of(const AccuracySummary& s) {
@@ -67,17 +63,16 @@ class RungCharts {
             (results_.of_population ? ": means over the scenes of each with 95 % intervals."
              : seeds > 1 ? ": means over " + std::to_string(seeds) + " seeds with 95 % intervals."
                          : ", of one seed.")};
-    for (const char* measure : {"median_mm", "p95_mm", "missed_percent", "false_percent"}) {
-      figure.panels.emplace_back(chart(measure));
+    for (const Measure* measure :
+         {&error::kMedian, &error::kP95, &error::kMissed, &error::kFalse}) {
+      figure.panels.emplace_back(chart(*measure));
     }
     return figure;
   }
 
  private:
-  Chart chart(const std::string& measure) const {
-    const auto& column = *std::find_if(picture_columns().begin(),
-                                       picture_columns().end(),
-                                       [&](const auto& other) { return other.key == measure; });
+  Chart chart(const Measure& measure) const {
+    const Column column = column_of(measure);
     const bool of_depth = column.unit == "mm";
     Chart chart{
         .title = of_depth ? "Depth error, " + column.title : "Surface that is " + column.title,
@@ -89,7 +84,7 @@ class RungCharts {
     for (std::size_t i = 0; i < all.size(); ++i) {
       const double apart = std::min(kMostApart, kRoom / static_cast<double>(all.size()));
       const double offset = apart * (static_cast<double>(i) - 0.5 * (double(all.size()) - 1));
-      chart.series.push_back(series(all[i], index_of(measure), offset, least));
+      chart.series.push_back(series(all[i], measure_index(measure.key), offset, least));
       chart.series.back().mark = kMarks[i % std::size(kMarks)];
     }
     if (!of_depth && shows_zeros_alone(chart)) chart.y.high = 1;

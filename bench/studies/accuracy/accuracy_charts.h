@@ -11,11 +11,8 @@
 
 namespace wobblebench::bench {
 
-/// Of whole pictures; the keys are names of measures.
-const std::vector<Column>& picture_columns();
-
-/// Of a measure, in measure_names().
-std::size_t index_of(const std::string& measure);
+/// The figures of whole pictures that tables show.
+Chosen picture_columns();
 
 /// Names a summary of a whole picture in charts and tables.
 std::string id_of(const AccuracySummary& s);

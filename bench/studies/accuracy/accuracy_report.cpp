@@ -10,6 +10,7 @@
 #include "base/units.h"
 #include "bench/evaluation/bootstrap.h"
 #include "bench/output/report_parts.h"
+#include "bench/results/error.h"
 #include "bench/studies/accuracy/accuracy_charts.h"
 
 namespace wobblebench::bench {
@@ -29,7 +30,7 @@ Json intervals_json(const std::vector<MeanInterval>& intervals) {
   for (std::size_t i = 0; i < intervals.size(); ++i) {
     const MeanInterval& interval = intervals[i];
     if (interval.n == 0) continue;
-    json[measure_names()[i]] = interval_json(interval);
+    json[picture_measures()[i]->key] = interval_json(interval);
   }
   return json;
 }
@@ -48,25 +49,17 @@ Json render_times_json(const AccuracyResults& results) {
   return list;
 }
 
-const std::vector<Column>& region_columns() {
-  static const std::vector<Column> columns = {{"surface_percent", "of the picture", "%", 1},
-                                              {"median_mm", "median", "mm"},
-                                              {"rms_mm", "RMS", "mm"},
-                                              {"p95_mm", "P95", "mm"},
-                                              {"missed_percent", "missed", "%"},
-                                              {"missed_surface_percent", "of the surface", "%"},
-                                              {"false_percent", "false", "%"},
-                                              {"normal_median_deg", "normal, median", "deg", 1}};
-  return columns;
-}
+constexpr const Measure* kOfRegions[] = {&error::kSurface,
+                                         &error::kMedian,
+                                         &error::kRms,
+                                         &error::kP95,
+                                         &error::kMissed,
+                                         &error::kMissedSurface,
+                                         &error::kFalse,
+                                         &error::kNormalMedian};
 
 std::vector<Column> name_columns() {
   return {{"scene"}, {"rung"}, {"setting"}};
-}
-
-std::vector<Column> joined(std::vector<Column> columns, const std::vector<Column>& more) {
-  columns.insert(columns.end(), more.begin(), more.end());
-  return columns;
 }
 
 /// A summary's scene, rung and setting.
@@ -74,20 +67,19 @@ std::vector<Cell> names_of(const AccuracySummary& s) {
   return {s.scene, s.rung, s.setting};
 }
 
-/// Appends a cell for each of the columns.
+/// Appends a cell for each of the measures.
 void append(const std::vector<MeanInterval>& intervals,
-            const std::vector<Column>& columns,
+            Chosen measures,
             Cell (*cell)(const MeanInterval&),
             std::vector<Cell>& row) {
-  for (const Column& column : columns) row.push_back(cell(intervals[index_of(column.key)]));
+  for (const Measure* one : measures) row.push_back(cell(intervals[measure_index(one->key)]));
 }
 
 Table picture_table(const AccuracyResults& results) {
-  Table table{.name = "pictures",
-              .columns = joined(
-                  joined(name_columns(),
-                         {{"render_ms", "time", "ms", 0}, {"times_the_first", "times the first"}}),
-                  picture_columns())};
+  std::vector<Column> first = name_columns();
+  first.push_back({"render_ms", "time", "ms", 0});
+  first.push_back({"times_the_first", "times the first"});
+  Table table{.name = "pictures", .columns = columns_of(std::move(first), picture_columns())};
   for (const AccuracySummary& s : results.summaries) {
     if (s.group != "picture") continue;
     std::vector<Cell> row = names_of(s);
@@ -100,7 +92,7 @@ Table picture_table(const AccuracyResults& results) {
 }
 
 Table difference_table(const AccuracyResults& results) {
-  Table table{.name = "differences", .columns = joined(name_columns(), picture_columns())};
+  Table table{.name = "differences", .columns = columns_of(name_columns(), picture_columns())};
   for (const AccuracySummary& s : results.summaries) {
     if (s.group != "picture" || s.differences.empty()) continue;
     std::vector<Cell> row = names_of(s);
@@ -122,13 +114,14 @@ void add_regions(const AccuracyResults& results,
                  const std::string& group,
                  const std::string& title,
                  Document& document) {
-  Table table{.name = group,
-              .columns = joined(joined(name_columns(), {{group}}), region_columns())};
+  std::vector<Column> first = name_columns();
+  first.push_back({group});
+  Table table{.name = group, .columns = columns_of(std::move(first), kOfRegions)};
   for (const AccuracySummary& s : results.summaries) {
     if (s.group != group) continue;
     std::vector<Cell> row = names_of(s);
     row.emplace_back(s.region);
-    append(s.means, region_columns(), interval_cell, row);
+    append(s.means, kOfRegions, interval_cell, row);
     table.add(std::move(row));
   }
   if (!table.rows.empty()) document.add(Heading{title}).add(std::move(table));
@@ -147,41 +140,38 @@ const AccuracySummary* outside_band(const AccuracyResults& results,
 
 /// RMS errors outside the band over what a perfect detector could reach.
 Table bound_table(const AccuracyResults& results) {
-  Table table{.name = "bound",
-              .columns = {{"scene"},
-                          {"sticks_mm", "sticks", "mm", 3},
-                          {"spacing_mm", "spacing", "mm", 3},
-                          {"yardstick_mm", "yardstick", "mm", 3},
-                          {"pixels"},
-                          {"hidden"},
-                          {"outside"},
-                          {"parted"},
-                          {"rung"},
-                          {"setting"},
-                          {"rms_mm", "RMS", "mm"},
-                          {"ratio"}}};
+  struct Row {
+    const AccuracyBound& bound;
+    const AccuracySummary& picture;
+    MeanInterval rms_mm;
+  };
+  std::vector<Row> rows;
   for (const AccuracyBound& bound : results.bounds) {
     for (const AccuracySummary& s : results.summaries) {
       if (s.group != "picture" || s.scene != bound.scene) continue;
       const AccuracySummary* outside = outside_band(results, s);
-      if (outside == nullptr) continue;
-      const MeanInterval rms = outside->means[index_of("rms_mm")];
-      const double yardstick_mm = bound.yardstick_m() / kMillimetre;
-      table.add({s.scene,
-                 bound.sticks_m / kMillimetre,
-                 bound.spacing.rms_m / kMillimetre,
-                 yardstick_mm,
-                 bound.spacing.n,
-                 bound.spacing.hidden,
-                 bound.spacing.outside,
-                 bound.spacing.parted,
-                 s.rung,
-                 s.setting,
-                 interval_cell(rms),
-                 rms.mean / yardstick_mm});
+      if (outside) rows.push_back({bound, s, outside->means[measure_index(error::kRms.key)]});
     }
   }
-  return table;
+  using R = Row;
+  const auto mm = [](double metres) { return metres / kMillimetre; };
+  return table_of<R>(
+      {.name = "bound"},
+      rows,
+      {{{"scene"}, [](const R& of) { return of.picture.scene; }},
+       {{"sticks_mm", "sticks", "mm", 3}, [=](const R& of) { return mm(of.bound.sticks_m); }},
+       {{"spacing_mm", "spacing", "mm", 3},
+        [=](const R& of) { return mm(of.bound.spacing.rms_m); }},
+       {{"yardstick_mm", "yardstick", "mm", 3},
+        [=](const R& of) { return mm(of.bound.yardstick_m()); }},
+       {{"pixels"}, [](const R& of) { return of.bound.spacing.n; }},
+       {{"hidden"}, [](const R& of) { return of.bound.spacing.hidden; }},
+       {{"outside"}, [](const R& of) { return of.bound.spacing.outside; }},
+       {{"parted"}, [](const R& of) { return of.bound.spacing.parted; }},
+       {{"rung"}, [](const R& of) { return of.picture.rung; }},
+       {{"setting"}, [](const R& of) { return of.picture.setting; }},
+       {column_of(error::kRms), [](const R& of) { return interval_cell(of.rms_mm); }},
+       {{"ratio"}, [=](const R& of) { return of.rms_mm.mean / mm(of.bound.yardstick_m()); }}});
 }
 
 void add_bounds(const AccuracyResults& results, Document& document) {
@@ -206,8 +196,9 @@ void add_details(const AccuracyResults& results, Document& document) {
     Detail detail{.id = id_of(s), .title = s.scene + ", " + s.rung + ", " + s.setting};
     const auto command = results.commands.find({s.scene, s.rung, s.setting});
     if (command != results.commands.end()) detail.command = command->second;
-    for (const Column& column : picture_columns()) {
-      const std::string shown = interval_cell(s.means[index_of(column.key)]).shown(column);
+    for (const Measure* measure : picture_columns()) {
+      const Column column = column_of(*measure);
+      const std::string shown = interval_cell(s.means[measure_index(column.key)]).shown(column);
       if (!shown.empty()) detail.text += "- " + heading(column) + ": " + shown + "\n";
     }
     if (results.pictures.size() <= kMostPictures) {
@@ -218,9 +209,10 @@ void add_details(const AccuracyResults& results, Document& document) {
 }
 
 Table rows_table(const AccuracyResults& results) {
-  Table table{.name = "rows",
-              .columns = {{"scene"}, {"rung"}, {"setting"}, {"seed"}, {"group"}, {"region"}}};
-  for (const std::string& name : measure_names()) table.columns.push_back({name});
+  Table table{
+      .name = "rows",
+      .columns = columns_of({{"scene"}, {"rung"}, {"setting"}, {"seed"}, {"group"}, {"region"}},
+                            picture_measures())};
   table.columns.push_back({"render_ms"});
   for (const AccuracyRow& row : results.rows) {
     std::vector<Cell> cells = {row.scene,
@@ -255,14 +247,8 @@ std::string head_text(const AccuracyResults& results, const Provenance& provenan
 }
 
 /// The measures of the table of strata.
-const std::vector<Column>& stratum_columns() {
-  static const std::vector<Column> columns = {
-      {"median_mm", "median", "mm"},
-      {"p95_mm", "P95", "mm"},
-      {"missed_surface_percent", "missed of the surface", "%"},
-      {"false_surface_percent", "false of what is found", "%"}};
-  return columns;
-}
+constexpr const Measure* kOfStrata[] = {
+    &error::kMedian, &error::kP95, &error::kMissedSurface, &error::kFalseSurface};
 
 Cell bootstrap_cell(const std::vector<double>& values) {
   const BootstrapMean mean = bootstrap_mean(values);
@@ -273,11 +259,11 @@ Cell bootstrap_cell(const std::vector<double>& values) {
 std::map<std::uint64_t, double> measured_of(const AccuracyResults& results,
                                             const AccuracySummary& of,
                                             const std::string& setting,
-                                            const std::string& measure) {
+                                            const Measure& measure) {
   std::map<std::uint64_t, double> values;
   for (const AccuracyRow& row : results.rows) {
     if (row.measures.group != "picture" || row.scene != of.scene || row.rung != of.rung) continue;
-    if (row.setting == setting) values[row.seed] = row.measures.values[index_of(measure)];
+    if (row.setting == setting) values[row.seed] = row.measures.values[measure_index(measure.key)];
   }
   return values;
 }
@@ -285,15 +271,14 @@ std::map<std::uint64_t, double> measured_of(const AccuracyResults& results,
 /// `reference`: a setting that is subtracted, scene by scene; empty: none.
 Table strata_table(const AccuracyResults& results, const std::string& reference) {
   Table table{.name = reference.empty() ? "strata" : "strata_differences",
-              .columns = {{"stratum"}, {"rung"}, {"setting"}, {"scenes"}}};
-  for (const Column& column : stratum_columns()) table.columns.push_back(column);
+              .columns = columns_of({{"stratum"}, {"rung"}, {"setting"}, {"scenes"}}, kOfStrata)};
   for (const AccuracySummary& s : results.summaries) {
     if (s.group != "picture" || s.setting == reference) continue;
     std::vector<Cell> row = {s.scene, s.rung, s.setting, s.render_ms.n};
-    for (const Column& column : stratum_columns()) {
+    for (const Measure* measure : kOfStrata) {
       std::vector<double> values;
-      const auto theirs = measured_of(results, s, reference, column.key);
-      for (const auto& [seed, value] : measured_of(results, s, s.setting, column.key)) {
+      const auto theirs = measured_of(results, s, reference, *measure);
+      for (const auto& [seed, value] : measured_of(results, s, s.setting, *measure)) {
         values.push_back(reference.empty() ? value : value - theirs.at(seed));
       }
       row.push_back(bootstrap_cell(values));

@@ -173,7 +173,7 @@ SeedRows common(const SeedRows& rows, const SeedRows& others) {
 /// Differences to the first setting and the ratio of times, seed by seed.
 void compare(const SeedRows& rows, const SeedRows& references, AccuracySummary& summary) {
   const SeedRows mine = common(rows, references), theirs = common(references, rows);
-  for (std::size_t i = 0; i < measure_names().size(); ++i) {
+  for (std::size_t i = 0; i < picture_measures().size(); ++i) {
     summary.differences.push_back(paired_difference(column(mine, i), column(theirs, i)));
   }
   summary.render_ratio = mean_interval(values_of(mine, [&](const AccuracyRow& row) {
@@ -184,7 +184,7 @@ void compare(const SeedRows& rows, const SeedRows& references, AccuracySummary& 
 AccuracySummary summary_of(const Key& key, const SeedRows& rows) {
   const auto& [scene, rung, group, region, setting] = key;
   AccuracySummary summary{scene, rung, setting, group, region, {}, {}, {}, {}};
-  for (std::size_t i = 0; i < measure_names().size(); ++i) {
+  for (std::size_t i = 0; i < picture_measures().size(); ++i) {
     summary.means.push_back(mean_interval(column(rows, i)));
   }
   summary.render_ms =

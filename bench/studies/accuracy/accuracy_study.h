@@ -49,7 +49,7 @@ struct AccuracyRow {
 /// Statistics over the seeds of one scene, rung, setting and region.
 struct AccuracySummary {
   std::string scene, rung, setting, group, region;
-  std::vector<MeanInterval> means;        ///< of each of measure_names()
+  std::vector<MeanInterval> means;        ///< of each of picture_measures()
   std::vector<MeanInterval> differences;  ///< to the first setting, paired; empty: it is the first
   MeanInterval render_ms, render_ratio;   ///< the ratio is to the first setting's; none of regions
 };

@@ -39,7 +39,7 @@ Table stage_table(const Throughput& throughput) {
                           {"times_the_stream", "times the paper's stream", "", 0}}};
   for (const StageSpeed& stage : throughput.stages) {
     table.add({stage.stage,
-               Cell::spread(stage.mb_s.median, stage.mb_s.min, stage.mb_s.max),
+               stage.mb_s,
                stick_bytes / stage.mb_s.median * 1e3,
                stage.mb_s.median / throughput.stream_mb_s});
   }
@@ -47,22 +47,15 @@ Table stage_table(const Throughput& throughput) {
 }
 
 Table cancel_table(const std::vector<CancelTimes>& cancels) {
-  Table table{.name = "cancels",
-              .columns = {{"cancels"},
-                          {"load_threads", "load threads"},
-                          {"p50_ms", "P50", "ms", 3},
-                          {"p99_ms", "P99", "ms", 3},
-                          {"p999_ms", "P99.9", "ms", 3},
-                          {"max_ms", "max", "ms", 3}}};
-  for (const CancelTimes& times : cancels) {
-    table.add({times.cancels,
-               times.load_threads,
-               times.p50_ms,
-               times.p99_ms,
-               times.p999_ms,
-               times.max_ms});
-  }
-  return table;
+  using C = CancelTimes;
+  return table_of<C>({.name = "cancels"},
+                     cancels,
+                     {{{"cancels"}, &C::cancels},
+                      {{"load_threads", "load threads"}, &C::load_threads},
+                      {{"p50_ms", "P50", "ms", 3}, &C::p50_ms},
+                      {{"p99_ms", "P99", "ms", 3}, &C::p99_ms},
+                      {{"p999_ms", "P99.9", "ms", 3}, &C::p999_ms},
+                      {{"max_ms", "max", "ms", 3}, &C::max_ms}});
 }
 
 std::string report_of(const Throughput& throughput, const Table& cancels, Provenance provenance) {

@@ -33,35 +33,24 @@ Cell mean_cell(const MeanInterval& of, const ChangeLimit& limit) {
 }
 
 Table verdict_table(const ComparisonResult& result) {
-  Table table{.name = "verdicts",
-              .caption =
-                  "Limits of the change from the base to the new side, over pairs of equal "
-                  "seeds, with 95 % intervals (Student's t)",
-              .columns = {{"scene"},
-                          {"figure"},
-                          {"unit"},
-                          {"base", "base", "", 5, true},
-                          {"new", "new", "", 5, true},
-                          {"change", "change", "", 3, true},
-                          {"change_unit", "of the change"},
-                          {"limit"},
-                          {"pairs"},
-                          {"outcome"}}};
-  for (const Verdict& verdict : result.verdicts) {
-    const bool ratio = verdict.limit.allowed == Allowed::ratio;
-    const std::string unit = unit_of_figure(verdict.limit.figure);
-    table.add({verdict.scene,
-               Cell::code(verdict.limit.figure),
-               unit,
-               mean_cell(verdict.base, verdict.limit),
-               mean_cell(verdict.now, verdict.limit),
-               change_cell(verdict),
-               ratio ? "%" : unit,
-               text_of(verdict.limit),
-               verdict.change.n,
-               outcome_text(verdict)});
-  }
-  return table;
+  using V = Verdict;
+  const auto unit = [](const V& of) { return unit_of(of.limit.figure).name; };
+  return table_of<V>(
+      {.name = "verdicts",
+       .caption = "Limits of the change from the base to the new side, over pairs of equal "
+                  "seeds, with 95 % intervals (Student's t)"},
+      result.verdicts,
+      {{{"scene"}, &V::scene},
+       {{"figure"}, [](const V& of) { return Cell::code(of.limit.figure); }},
+       {{"unit"}, unit},
+       {{"base", "base", "", 5, true}, [](const V& of) { return mean_cell(of.base, of.limit); }},
+       {{"new", "new", "", 5, true}, [](const V& of) { return mean_cell(of.now, of.limit); }},
+       {{"change", "change", "", 3, true}, change_cell},
+       {{"change_unit", "of the change"},
+        [&](const V& of) { return of.limit.allowed == Allowed::ratio ? "%" : unit(of); }},
+       {{"limit"}, [](const V& of) { return text_of(of.limit); }},
+       {{"pairs"}, [](const V& of) { return of.change.n; }},
+       {{"outcome"}, outcome_text}});
 }
 
 Table run_table(const ComparisonResult& result) {

@@ -11,6 +11,7 @@
 #include "base/near_name.h"
 #include "base/number_text.h"
 #include "base/user_error.h"
+#include "bench/results/error.h"
 #include "bench/scene/toml_file.h"
 #include "bench/studies/compare/run_figures.h"
 
@@ -90,19 +91,19 @@ std::string text_of(const ChangeLimit& limit) {
   std::string says = name_of(limit.allowed).says;
   if (limit.allowed == Allowed::equal) return says;
   if (limit.allowed == Allowed::ratio) return says + significant(limit.most, 4) + " times";
-  const std::string unit = unit_of_figure(limit.figure);
+  const std::string unit = unit_of(limit.figure).name;
   return says + significant(limit.most, 4) + (unit.empty() || unit == "°" ? "" : " ") + unit;
 }
 
 std::vector<ChangeLimit> default_change_limits() {
-  return {{"bias_mm", Allowed::changed_by, 0.05},
-          {"median_mm", Allowed::changed_by, 0.05},
-          {"rms_mm", Allowed::worse_by, 0.1},
-          {"p95_mm", Allowed::worse_by, 0.1},
-          {"outside_p95_mm", Allowed::worse_by, 0.05},
-          {"missed_percent", Allowed::worse_by, 0.2},
-          {"false_percent", Allowed::worse_by, 0.2},
-          {"normal_median_deg", Allowed::worse_by, 0.5},
+  return {{error::kBias.key, Allowed::changed_by, 0.05},
+          {error::kMedian.key, Allowed::changed_by, 0.05},
+          {error::kRms.key, Allowed::worse_by, 0.1},
+          {error::kP95.key, Allowed::worse_by, 0.1},
+          {error::kOutsideP95.key, Allowed::worse_by, 0.05},
+          {error::kMissed.key, Allowed::worse_by, 0.2},
+          {error::kFalse.key, Allowed::worse_by, 0.2},
+          {error::kNormalMedian.key, Allowed::worse_by, 0.5},
           {"frame_ms", Allowed::ratio, 1.25},
           {"cpu_ms", Allowed::ratio, 1.25},
           {"fetches", Allowed::equal},

@@ -5,6 +5,8 @@
 #include <nlohmann/json.hpp>
 
 #include "base/user_error.h"
+#include "bench/evaluation/measures/picture_measures.h"
+#include "bench/results/error.h"
 
 namespace wobblebench::bench {
 
@@ -18,19 +20,6 @@ struct Place {
 };
 
 constexpr std::array kPlaces = {
-    Place{"bias_mm", "/error/depth_mm/bias"},
-    Place{"median_mm", "/error/depth_mm/median"},
-    Place{"rms_mm", "/error/depth_mm/rms"},
-    Place{"p95_mm", "/error/depth_mm/p95"},
-    Place{"outliers_percent", "/error/depth_mm/outliers_percent"},
-    Place{"grazing_missed_percent", "/error/grazing_missed_percent"},
-    Place{"grazing_p95_mm", "/error/grazing_p95_mm"},
-    Place{"missed_percent", "/error/missed_percent"},
-    Place{"false_percent", "/error/false_percent"},
-    Place{"normal_median_deg", "/error/normal_deg/median"},
-    Place{"normal_p95_deg", "/error/normal_deg/p95"},
-    Place{"distance_mean_mm", "/error/surface_distance_mm/mean"},
-    Place{"hausdorff95_mm", "/error/surface_distance_mm/hausdorff95"},
     Place{"frame_ms", "/timing/render/frame_ms"},
     Place{"simulation_ms", "/timing/simulation/ms_per_volume"},
     Place{"run_ms", "/timing/wall_ms/total"},
@@ -42,7 +31,10 @@ void add(RunFigures& figures, const std::string& name, const Json& value) {
   if (value.is_number()) figures[name] = value.get<double>();
 }
 
-void add_at(RunFigures& figures, const std::string& name, const Json& in, const char* pointer) {
+void add_at(RunFigures& figures,
+            const std::string& name,
+            const Json& in,
+            const std::string& pointer) {
   const Json::json_pointer at(pointer);
   if (in.contains(at)) add(figures, name, in.at(at));
 }
@@ -53,12 +45,13 @@ const Json& list_at(const Json& report, const char* pointer) {
   return report.contains(at) && report.at(at).is_array() ? report.at(at) : none;
 }
 
+/// Of a program from before these stood beside the other measures.
 void add_outside(RunFigures& figures, const Json& report) {
   for (const Json& region : list_at(report, "/error/regions")) {
     if (region.value("group", "") != "silhouette" || region.value("name", "") != "outside")
       continue;
-    add_at(figures, "outside_rms_mm", region, "/depth_mm/rms");
-    add_at(figures, "outside_p95_mm", region, "/depth_mm/p95");
+    add_at(figures, error::kOutsideRms.key, region, "/depth_mm/rms");
+    add_at(figures, error::kOutsideP95.key, region, "/depth_mm/p95");
   }
 }
 
@@ -105,16 +98,10 @@ FigureKind kind_of_figure(const std::string& name) {
   return counted ? FigureKind::work : FigureKind::error;
 }
 
-std::string unit_of_figure(const std::string& name) {
-  if (name.ends_with("_ms")) return "ms";
-  if (name.ends_with("_mm")) return "mm";
-  if (name.ends_with("_percent")) return "%";
-  return name.ends_with("_deg") ? "°" : "";
-}
-
 const std::vector<std::string>& run_figure_names() {
   static const std::vector<std::string> names = [] {
-    std::vector<std::string> all = {"outside_rms_mm", "outside_p95_mm", "cpu_ms", "fetches"};
+    std::vector<std::string> all = {"cpu_ms", "fetches"};
+    for (const Measure* measure : picture_measures()) all.emplace_back(measure->key);
     for (const Place& place : kPlaces) all.emplace_back(place.name);
     for (const char* pass : {"scan_conversion", "ray_casting", "shading", "smoothing"}) {
       all.push_back(std::string(pass) + "_ms");
@@ -129,6 +116,9 @@ RunFigures figures_of_run(const Json& report) {
   RunFigures figures;
   for (const Place& place : kPlaces) add_at(figures, place.name, report, place.pointer);
   add_outside(figures, report);
+  for (const Measure* measure : picture_measures()) {
+    add_at(figures, measure->key, report, place_in_report(*measure));
+  }
   add_at(figures, "cpu_ms", report, "/provenance/load/own_cpu_s");
   if (const auto cpu = figures.find("cpu_ms"); cpu != figures.end()) cpu->second *= 1e3;
   add_passes(figures, list_at(report, "/timing/render/passes"), "ms", "_ms", "");

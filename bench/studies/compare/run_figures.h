@@ -18,9 +18,6 @@ enum class FigureKind {
 
 /// "frame_ms" and all that end alike are times; fetches, sticks and samples are work.
 FigureKind kind_of_figure(const std::string& name);
-/// "mm", "%", "°", "ms" or "", as the end of the name says.
-std::string unit_of_figure(const std::string& name);
-
 /// All names that a run of this program may have.
 const std::vector<std::string>& run_figure_names();
 

@@ -162,7 +162,7 @@ bool only_times_are_broken(const std::vector<Verdict>& all) {
 }
 
 std::string line_of(const Verdict& verdict) {
-  const std::string unit = unit_of_figure(verdict.limit.figure);
+  const std::string unit = unit_of(verdict.limit.figure).name;
   std::string line = verdict.scene + ": " + verdict.limit.figure;
   if (verdict.change.n == 0) return line + ": " + verdict.why;
   constexpr int kDigits = 9;  // so that one fetch among millions shows

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <fstream>
-#include <limits>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
@@ -12,6 +11,7 @@
 #include "bench/output/image_io.h"
 #include "bench/output/picture/canvas.h"
 #include "bench/output/report_parts.h"
+#include "bench/results/error.h"
 
 namespace wobblebench::bench {
 
@@ -34,14 +34,10 @@ SceneFigures figures_of(const PopulationPlan& plan, int index, const Json& line)
   if (!line.contains("error") || line["error"].is_null()) return figures;
   const Json& error = line["error"];
   figures.measured = true;
-  const auto take = [&](const char* name, double& value) {
-    const Json& found = error.at(name);
-    value = found.is_number() ? found.get<double>() : std::numeric_limits<double>::quiet_NaN();
-  };
-  take("median_mm", figures.median_mm);
-  take("p95_mm", figures.p95_mm);
-  take("missed_percent", figures.missed_percent);
-  take("false_percent", figures.false_percent);
+  for (const Measure* one : shown_figures()) {
+    const Json& found = error.at(one->key);
+    figures.values.push_back(found.is_number() ? found.get<double>() : kUnset);
+  }
   return figures;
 }
 
@@ -62,10 +58,10 @@ int refused_of(const std::vector<SceneFigures>& figures, std::size_t stratum) {
 }
 
 /// Median over the scenes, and the quartiles beside it.
-Cell spread_cell(const std::vector<const SceneFigures*>& scenes, double SceneFigures::*figure) {
+Cell spread_cell(const std::vector<const SceneFigures*>& scenes, std::size_t figure) {
   std::vector<double> values;
   for (const SceneFigures* one : scenes) {
-    if (std::isfinite(one->*figure)) values.push_back(one->*figure);
+    if (std::isfinite(one->values[figure])) values.push_back(one->values[figure]);
   }
   if (values.empty()) return {};
   const Quartiles quartiles = quartiles_of(values);
@@ -75,22 +71,12 @@ Cell spread_cell(const std::vector<const SceneFigures*>& scenes, double SceneFig
 Table strata_table(const PopulationPlan& plan, const std::vector<SceneFigures>& figures) {
   Table table{.name = "strata",
               .caption = "Median over the scenes (quartiles).",
-              .columns = {{"stratum"},
-                          {"scenes"},
-                          {"refused"},
-                          {"median_mm", "median", "mm"},
-                          {"p95_mm", "P95", "mm"},
-                          {"missed_percent", "missed", "%"},
-                          {"false_percent", "false", "%"}}};
+              .columns = columns_of({{"stratum"}, {"scenes"}, {"refused"}}, shown_figures())};
   for (std::size_t i = 0; i < plan.strata.size(); ++i) {
     const auto scenes = measured_of(figures, i);
-    table.add({plan.strata[i].name,
-               plan.strata[i].scenes,
-               refused_of(figures, i),
-               spread_cell(scenes, &SceneFigures::median_mm),
-               spread_cell(scenes, &SceneFigures::p95_mm),
-               spread_cell(scenes, &SceneFigures::missed_percent),
-               spread_cell(scenes, &SceneFigures::false_percent)});
+    std::vector<Cell> row = {plan.strata[i].name, plan.strata[i].scenes, refused_of(figures, i)};
+    for (std::size_t j = 0; j < shown_figures().size(); ++j) row.push_back(spread_cell(scenes, j));
+    table.add(std::move(row));
   }
   return table;
 }
@@ -209,12 +195,7 @@ void add_shown(const PopulationPlan& plan,
                Document& document) {
   Table table{.name = "scenes",
               .caption = "Scenes of the contact sheet; choose a row to see what was drawn.",
-              .columns = {{"scene"},
-                          {"stratum"},
-                          {"median_mm", "median", "mm"},
-                          {"p95_mm", "P95", "mm"},
-                          {"missed_percent", "missed", "%"},
-                          {"false_percent", "false", "%"}}};
+              .columns = columns_of({{"scene"}, {"stratum"}}, shown_figures())};
   std::vector<Detail> details;
   for (const auto& row : rows) {
     for (const ShownScene& shown : row) {
@@ -222,13 +203,10 @@ void add_shown(const PopulationPlan& plan,
       const Json line = folder.line(one.index);
       const std::string file = "scene_" + shown.name + ".png";
       write_png(out.stage(file), pair_picture(shown));
-      table.add({shown.name,
-                 plan.strata[one.stratum].name,
-                 one.median_mm,
-                 one.p95_mm,
-                 one.missed_percent,
-                 one.false_percent},
-                shown.name);
+      std::vector<Cell> cells = {shown.name, plan.strata[one.stratum].name};
+      cells.insert(cells.end(), one.values.begin(), one.values.end());
+      cells.resize(2 + shown_figures().size());
+      table.add(std::move(cells), shown.name);
       details.push_back({.id = shown.name,
                          .title = "Scene " + shown.name + ", " + plan.strata[one.stratum].name +
                                   ": truth and what was found",
@@ -266,6 +244,12 @@ std::string head_text(const PopulationPlan& plan, const std::vector<SceneFigures
 }
 
 }  // namespace
+
+Chosen shown_figures() {
+  static constexpr const Measure* kShown[] = {
+      &error::kMedian, &error::kP95, &error::kMissed, &error::kFalse};
+  return kShown;
+}
 
 std::vector<SceneFigures> stage_manifest(const PopulationPlan& plan,
                                          const DatasetFolder& folder,

@@ -7,6 +7,7 @@
 
 #include "bench/output/document/document.h"
 #include "bench/output/output_folder.h"
+#include "bench/results/measure.h"
 #include "bench/studies/dataset/dataset_scenes.h"
 
 namespace wobblebench::bench {
@@ -15,11 +16,14 @@ namespace wobblebench::bench {
 struct SceneFigures {
   int index = 0;
   std::size_t stratum = 0;
-  std::string refusal;    ///< empty: it was made
-  bool measured = false;  ///< a picture was compared with a truth
-  double median_mm = 0, p95_mm = 0, missed_percent = 0, false_percent = 0;
-  double bytes = 0;  ///< of the files that the manifest has hashes of
+  std::string refusal;              ///< empty: it was made
+  bool measured = false;            ///< a picture was compared with a truth
+  std::vector<double> values = {};  ///< of shown_figures(); NaN: not formed
+  double bytes = 0;                 ///< of the files that the manifest has hashes of
 };
+
+/// The figures of scenes that the page shows.
+Chosen shown_figures();
 
 /// Stages manifest.jsonl, a line a scene in their order, and returns their figures. All scenes must
 /// be there.

@@ -12,8 +12,10 @@
 #include "base/user_error.h"
 #include "bench/cache/sha256.h"
 #include "bench/command/program.h"
+#include "bench/evaluation/measures/picture_measures.h"
 #include "bench/output/output_folder.h"
 #include "bench/output/report_parts.h"
+#include "bench/results/error.h"
 #include "bench/scene/scene_text.h"
 #include "bench/studies/compare/child_program.h"
 #include "bench/studies/plans/option_tables.h"
@@ -192,12 +194,11 @@ void remove_pages(const fs::path& folder) {
 
 /// The figures of the picture that a user chooses scenes by.
 Json error_of(const Json& report) {
-  const Json& error = report.at("error");
-  if (error.is_null()) return nullptr;
-  const Json& depth = error.at("depth_mm");
-  Json figures = {{"median_mm", depth.at("median")}, {"p95_mm", depth.at("p95")}};
-  for (const char* name : {"missed_percent", "false_percent", "surface_percent"}) {
-    figures[name] = error.at(name);
+  if (report.at("error").is_null()) return nullptr;
+  Json figures;
+  for (const Measure* one :
+       {&error::kMedian, &error::kP95, &error::kMissed, &error::kFalse, &error::kSurface}) {
+    figures[one->key] = report.at(Json::json_pointer(place_in_report(*one)));
   }
   return figures;
 }

@@ -51,59 +51,37 @@ Cell number_cell(double value) {
 }
 
 /// One row a case, preset and pass; a refusal has one row without a pass.
-Table all_rows(const ExtremesResults& results) {
-  Table table{.name = "rows",
-              .columns = {{"case"},
-                          {"preset"},
-                          {"settings"},
-                          {"verdict"},
-                          {"refusal"},
-                          {"finite"},
-                          {"changed_out_of_reach"},
-                          {"pass"},
-                          {"worst"},
-                          {"bound"},
-                          {"compared"},
-                          {"outside"}}};
-  for (const ExtremeOutcome& outcome : results.cases) {
-    const auto& changed = outcome.changed_out_of_reach;
-    const std::vector<Cell> head = {outcome.of.name,
-                                    outcome.preset,
-                                    joined(outcome.of.settings),
-                                    verdict(outcome),
-                                    outcome.refusal,
-                                    outcome.rendered ? Cell(outcome.finite ? 1 : 0) : Cell(),
-                                    changed ? Cell(*changed) : Cell()};
-    const auto add = [&](const std::vector<Cell>& pass) {
-      std::vector<Cell> row = head;
-      row.insert(row.end(), pass.begin(), pass.end());
-      table.add(std::move(row));
-    };
-    if (outcome.errors.empty()) add(std::vector<Cell>(5));
-    for (const PassError& error : outcome.errors) {
-      add({error.pass,
-           number_cell(error.worst),
-           number_cell(error.bound),
-           error.compared,
-           error.outside});
-    }
+Table all_rows(const std::vector<ExtremeOutcome>& cases) {
+  using R = std::pair<const ExtremeOutcome*, const PassError*>;
+  std::vector<R> rows;
+  for (const ExtremeOutcome& outcome : cases) {
+    if (outcome.errors.empty()) rows.emplace_back(&outcome, nullptr);
+    for (const PassError& error : outcome.errors) rows.emplace_back(&outcome, &error);
   }
-  for (const NumberOutcome& number : results.numbers) {
-    const char* outcome = number.passed() ? "passed" : "FAILED";
-    table.add({number.name,
-               "",
-               "",
-               outcome,
-               "",
-               "",
-               "",
-               number.unit,
-               number_cell(number.worst),
-               number_cell(number.bound),
-               "",
-               ""});
-  }
-  return table;
+  const auto of_pass = [](const auto& value) {
+    return [value](const R& row) { return row.second ? Cell(value(*row.second)) : Cell(); };
+  };
+  using E = PassError;
+  return table_of<R>(
+      {.name = "rows"},
+      rows,
+      {{{"case"}, [](const R& of) { return of.first->of.name; }},
+       {{"preset"}, [](const R& of) { return of.first->preset; }},
+       {{"settings"}, [](const R& of) { return joined(of.first->of.settings); }},
+       {{"verdict"}, [](const R& of) { return verdict(*of.first); }},
+       {{"refusal"}, [](const R& of) { return of.first->refusal; }},
+       {{"finite"},
+        [](const R& of) { return of.first->rendered ? Cell(of.first->finite ? 1 : 0) : Cell(); }},
+       {{"changed_out_of_reach"},
+        [](const R& of) {
+          const auto& changed = of.first->changed_out_of_reach;
+          return changed ? Cell(*changed) : Cell();
+        }},
+       {{"pass"}, of_pass([](const E& of) { return of.pass; })},
+       {{"worst"}, of_pass([](const E& of) { return number_cell(of.worst); })},
+       {{"bound"}, of_pass([](const E& of) { return number_cell(of.bound); })},
+       {{"compared"}, of_pass([](const E& of) { return of.compared; })},
+       {{"outside"}, of_pass([](const E& of) { return of.outside; })}});
 }
 
 std::string origin_of(const ExtremesResults& results, const Provenance& provenance) {
@@ -168,23 +146,16 @@ Table reach_table(const std::vector<ExtremeOutcome>& cases) {
 }
 
 Table numbers_table(const std::vector<NumberOutcome>& numbers) {
-  constexpr int kDigits = 2;
-  Table table{.name = "numbers",
-              .columns = {{"case"},
-                          {"outcome"},
-                          {"worst", "error", "", kDigits, true},
-                          {"bound", "bound", "", kDigits, true},
-                          {"unit"},
-                          {"against"}}};
-  for (const NumberOutcome& number : numbers) {
-    table.add({number.name,
-               number.passed() ? "passed" : "FAILED",
-               number_cell(number.worst),
-               number_cell(number.bound),
-               number.unit,
-               number.how});
-  }
-  return table;
+  using N = NumberOutcome;
+  return table_of<N>(
+      {.name = "numbers"},
+      numbers,
+      {{{"name", "case"}, &N::name},
+       {{"passed"}, &N::passed},
+       {{"worst", "error", "", 2, true}, [](const N& of) { return number_cell(of.worst); }},
+       {{"bound", "bound", "", 2, true}, [](const N& of) { return number_cell(of.bound); }},
+       {{"unit"}, &N::unit},
+       {{"how", "against"}, &N::how}});
 }
 
 Document extremes_document(const ExtremesResults& results, const Provenance& provenance) {
@@ -197,25 +168,25 @@ Document extremes_document(const ExtremesResults& results, const Provenance& pro
                 "sample in double precision."})
       .add(reach_table(results.cases));
   document.add(Heading{"Numbers"}).add(numbers_table(results.numbers));
-  document.data = {{"extremes.csv", all_rows(results)}};
+  document.data = {{"extremes.csv", all_rows(results.cases)},
+                   {"extremes_numbers.csv", numbers_table(results.numbers)}};
   return document;
 }
 
 Json errors_json(const std::vector<PassError>& errors) {
-  Json list = Json::array();
-  for (const PassError& error : errors) {
-    list.push_back({{"pass", error.pass},
-                    {"worst", number(error.worst)},
-                    {"bound", number(error.bound)},
-                    {"compared", error.compared},
-                    {"outside", error.outside}});
-  }
-  return list;
+  using E = PassError;
+  return to_json(table_of<E>({},
+                             errors,
+                             {{{"pass"}, &E::pass},
+                              {{"worst"}, &E::worst},
+                              {{"bound"}, &E::bound},
+                              {{"compared"}, &E::compared},
+                              {{"outside"}, &E::outside}}));
 }
 
 /// "extremes".
 Json extremes_json(const ExtremesResults& results) {
-  Json cases = Json::array(), numbers = Json::array();
+  Json cases = Json::array();
   for (const ExtremeOutcome& outcome : results.cases) {
     Json json = {{"name", outcome.of.name},
                  {"preset", outcome.preset},
@@ -229,14 +200,9 @@ Json extremes_json(const ExtremesResults& results) {
     json["passes"] = errors_json(outcome.errors);
     cases.push_back(std::move(json));
   }
-  for (const NumberOutcome& outcome : results.numbers) {
-    numbers.push_back({{"name", outcome.name},
-                       {"passed", outcome.passed()},
-                       {"worst", number(outcome.worst)},
-                       {"bound", outcome.bound},
-                       {"unit", outcome.unit}});
-  }
-  return {{"failed", results.failed()}, {"cases", cases}, {"numbers", numbers}};
+  return {{"failed", results.failed()},
+          {"cases", cases},
+          {"numbers", to_json(numbers_table(results.numbers))}};
 }
 
 constexpr int kRandomCases = 20, kLongRandomCases = 200;

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "base/number_text.h"
+#include "bench/results/error.h"
 
 namespace wobblebench::bench {
 
@@ -95,26 +96,22 @@ void add_registration(const Registration& fit,
 Table coverage_table(const Coverage& coverage) {
   const std::string planted_seeds = " of " + std::to_string(coverage.seeds.size());
   const std::string reference_seeds = " of " + std::to_string(coverage.reference.size());
-  Table table{
-      .name = "coverage",
-      .columns = {{"parameter"},
-                  {"planted", "", "", 3},
-                  {"mean_recovered", "recovered, mean", "", 3},
-                  {"standard_deviation", "deviation over seeds", "", 3},
-                  {"mean_half_width", "half width of the 95 % interval, mean", "", 3},
-                  {"covered", "in the interval," + planted_seeds},
-                  {"held_nothing", "nothing planted: 0 in the interval," + reference_seeds}}};
-  for (const PlantedParameter& row : coverage.parameters) {
-    const int p = row.parameter;
-    table.add({parameter_name(p),
-               in_unit(p, row.planted),
-               in_unit(p, row.mean),
-               in_unit(p, row.deviation),
-               in_unit(p, row.half_width),
-               row.covered,
-               row.held_nothing});
-  }
-  return table;
+  using P = PlantedParameter;
+  const auto in_units = [](double P::*of) {
+    return [of](const P& row) { return in_unit(row.parameter, row.*of); };
+  };
+  return table_of<P>(
+      {.name = "coverage"},
+      coverage.parameters,
+      {{{"parameter"}, [](const P& row) { return parameter_name(row.parameter); }},
+       {{"planted", "", "", 3}, in_units(&P::planted)},
+       {{"mean_recovered", "recovered, mean", "", 3}, in_units(&P::mean)},
+       {{"standard_deviation", "deviation over seeds", "", 3}, in_units(&P::deviation)},
+       {{"mean_half_width", "half width of the 95 % interval, mean", "", 3},
+        in_units(&P::half_width)},
+       {{"covered", "in the interval," + planted_seeds}, &P::covered},
+       {{"held_nothing", "nothing planted: 0 in the interval," + reference_seeds},
+        &P::held_nothing}});
 }
 
 /// A row for each seed and parameter, in SI units.
@@ -183,14 +180,14 @@ Table terms_table(const DetectionModel& model) {
 
 /// Means of the held-out residuals, a row for each bin.
 Table residuals_table(const ModelStudy& study) {
-  Table table{
-      .name = "residuals",
-      .columns = {
-          {"quantity"}, {"at"}, {"pixels"}, {"mean_error_before_mm"}, {"mean_error_after_mm"}}};
-  for (const ResidualBin& bin : study.bins) {
-    table.add({bin.quantity, bin.at, bin.pixels, bin.before_mm, bin.after_mm});
-  }
-  return table;
+  using B = ResidualBin;
+  return table_of<B>({.name = "residuals"},
+                     study.bins,
+                     {{{"quantity"}, &B::quantity},
+                      {{"at"}, &B::at},
+                      {{"pixels"}, &B::pixels},
+                      {{"mean_error_before_mm"}, &B::before_mm},
+                      {{"mean_error_after_mm"}, &B::after_mm}});
 }
 
 std::vector<Judgement> all_judgements(const ModelStudy& study) {
@@ -202,15 +199,13 @@ std::vector<Judgement> all_judgements(const ModelStudy& study) {
 
 /// All that is known of each set of scans and rung.
 Table judgements_table(const std::vector<Judgement>& judgements) {
-  Table table{.name = "held_out",
-              .columns = {{"scans"}, {"held_out", "held out"}, {"rung"}, {"pixels"}}};
-  for (const JudgementColumn& of : judgement_columns()) table.columns.push_back(of.column);
-  for (const Judgement& judged : judgements) {
-    std::vector<Cell> row = {judged.name, judged.of, judged.rung, judged.pixels};
-    for (const JudgementColumn& of : judgement_columns()) row.emplace_back(of.figure(judged));
-    table.add(std::move(row));
-  }
-  return table;
+  using J = Judgement;
+  std::vector<Field<J>> fields = {{{"scans"}, &J::name},
+                                  {{"held_out", "held out"}, &J::of},
+                                  {{"rung"}, &J::rung},
+                                  {{"pixels"}, &J::pixels}};
+  fields.insert(fields.end(), judgement_columns().begin(), judgement_columns().end());
+  return table_of<J>({.name = "held_out"}, judgements, fields);
 }
 
 std::string choice_text(const TermChoice& choice) {
@@ -268,8 +263,8 @@ void add_model(const ModelStudy& study, Document& document) {
                                 "p95_after_mm",
                                 "outside_rms_before_mm",
                                 "outside_rms_after_mm",
-                                "missed_percent",
-                                "false_percent"});
+                                error::kMissed.key,
+                                error::kFalse.key});
   effects.name = "effects";
   document.add(Heading{"Correction of held-out pictures"});
   document.add(
@@ -280,27 +275,25 @@ void add_model(const ModelStudy& study, Document& document) {
 
 }  // namespace
 
-const std::vector<JudgementColumn>& judgement_columns() {
+const std::vector<Field<Judgement>>& judgement_columns() {
   using J = const Judgement&;
-  static const std::vector<JudgementColumn> columns = {
-      {{"other_surface_percent", "other surface", "%", 1},
-       [](J j) { return j.other_surface_percent; }},
-      {{"mean_before_mm", "mean error, found", "mm"}, [](J j) { return j.mean_before_mm; }},
-      {{"mean_after_mm", "mean error, corrected", "mm"}, [](J j) { return j.mean_after_mm; }},
-      {{"rms_before_mm", "RMS, found", "mm"}, [](J j) { return j.rms_before_mm; }},
-      {{"rms_after_mm", "RMS, corrected", "mm"}, [](J j) { return j.rms_after_mm; }},
+  static const std::vector<Field<Judgement>> columns = {
+      {{"other_surface_percent", "other surface", "%", 1}, &Judgement::other_surface_percent},
+      {{"mean_before_mm", "mean error, found", "mm"}, &Judgement::mean_before_mm},
+      {{"mean_after_mm", "mean error, corrected", "mm"}, &Judgement::mean_after_mm},
+      {{"rms_before_mm", "RMS, found", "mm"}, &Judgement::rms_before_mm},
+      {{"rms_after_mm", "RMS, corrected", "mm"}, &Judgement::rms_after_mm},
       {{"explained_variance", "share of the variance explained", "", 3},
-       [](J j) { return j.explained_variance; }},
+       &Judgement::explained_variance},
       {{"removed_mean_square", "share of the mean square removed", "", 3},
-       [](J j) { return j.removed_mean_square; }},
+       &Judgement::removed_mean_square},
       {{"reproducible_variance", "the same in two seeds", "", 3},
-       [](J j) { return j.reproducible_variance; }},
+       &Judgement::reproducible_variance},
       {{"within_one_spread_percent", "within one spread (normal: 68.3)", "%", 1},
-       [](J j) { return j.within_one_percent; }},
-      {{"within_two_spreads_percent", "within two (95.4)", "%", 1},
-       [](J j) { return j.within_two_percent; }},
+       &Judgement::within_one_percent},
+      {{"within_two_spreads_percent", "within two (95.4)", "%", 1}, &Judgement::within_two_percent},
       {{"explained_of_reproducible", "explained of that", "", 3},
-       [](J j) { return j.explained_of_reproducible(); }},
+       &Judgement::explained_of_reproducible},
       {{"median_before_mm", "median, found", "mm"}, [](J j) { return j.found.median_mm; }},
       {{"median_after_mm", "median, corrected", "mm"}, [](J j) { return j.corrected.median_mm; }},
       {{"p95_before_mm", "P95, found", "mm"}, [](J j) { return j.found.p95_mm; }},
@@ -308,8 +301,8 @@ const std::vector<JudgementColumn>& judgement_columns() {
       {{"outside_rms_before_mm", "RMS, found", "mm"}, [](J j) { return j.found.outside_rms_mm; }},
       {{"outside_rms_after_mm", "RMS, corrected", "mm"},
        [](J j) { return j.corrected.outside_rms_mm; }},
-      {{"missed_percent", "missed", "%"}, [](J j) { return j.found.missed_percent; }},
-      {{"false_percent", "false", "%"}, [](J j) { return j.found.false_percent; }}};
+      {column_of(error::kMissed), [](J j) { return j.found.missed_percent; }},
+      {column_of(error::kFalse), [](J j) { return j.found.false_percent; }}};
   return columns;
 }
 

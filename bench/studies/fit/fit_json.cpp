@@ -1,6 +1,7 @@
 #include <nlohmann/json.hpp>
 
 #include "bench/output/report.h"
+#include "bench/results/error.h"
 #include "bench/studies/fit/fit_report.h"
 
 namespace wobblebench::bench {
@@ -42,11 +43,11 @@ Json terms_json(const std::array<FittedTerm, N>& terms,
 }
 
 Json effect_json(const PictureEffect& effect) {
-  return {{"median_mm", number(effect.median_mm)},
-          {"p95_mm", number(effect.p95_mm)},
+  return {{error::kMedian.key, number(effect.median_mm)},
+          {error::kP95.key, number(effect.p95_mm)},
           {"outside_silhouettes_rms_mm", number(effect.outside_rms_mm)},
-          {"missed_percent", number(effect.missed_percent)},
-          {"false_percent", number(effect.false_percent)}};
+          {error::kMissed.key, number(effect.missed_percent)},
+          {error::kFalse.key, number(effect.false_percent)}};
 }
 
 Json choice_json(const TermChoice& choice) {
@@ -63,8 +64,8 @@ Json judgement_json(const Judgement& judged) {
                {"rung", judged.rung},
                {"pixels", judged.pixels}};
   for (std::size_t i = 0; i < kReportedFigures; ++i) {
-    const JudgementColumn& of = judgement_columns()[i];
-    json[of.column.key] = number(of.figure(judged));
+    const Field<Judgement>& of = judgement_columns()[i];
+    json[of.column.key] = number(of.cell(judged).number());
   }
   json["found"] = effect_json(judged.found);
   json["corrected"] = effect_json(judged.corrected);

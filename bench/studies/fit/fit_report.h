@@ -28,12 +28,8 @@ nlohmann::ordered_json fit_json(const FitResults& results);
 Document fit_document(const FitResults& results, const Provenance& provenance);
 
 /// A figure of a judgement in tables and, the first kReportedFigures, in report.json.
-struct JudgementColumn {
-  Column column;
-  double (*figure)(const Judgement&);
-};
 inline constexpr std::size_t kReportedFigures = 10;
-const std::vector<JudgementColumn>& judgement_columns();
+const std::vector<Field<Judgement>>& judgement_columns();
 
 /// Mean residuals against incidence, range and contrast.
 std::vector<Figure> fit_figures(const ModelStudy& study);

@@ -143,41 +143,35 @@ Cell drawn_cell(const Drawn& of) {
   return Cell::spread(of.median, of.low, of.high);
 }
 
-double off_by_percent(double predicted, double wall) {
-  return 100 * (predicted / wall - 1);
-}
-
 Table check_table(const LatencyStudy& study) {
-  Table table{.name = "checks",
-              .columns = {{"setting"},
-                          {"sound_ms", "sound", "ms", 1},
-                          {"n"},
-                          {"p50_wall_ms", "P50 wall", "ms", 1},
-                          {"p50_virtual_ms", "P50 virtual", "ms", 1},
-                          {"p50_off_percent", "off by", "%", 1},
-                          {"p99_wall_ms", "P99 wall", "ms", 1},
-                          {"p99_virtual_ms", "P99 virtual", "ms", 1},
-                          {"p99_off_percent", "off by", "%", 1},
-                          {"volumes_per_s_wall", "volumes/s wall"},
-                          {"volumes_per_s_virtual", "volumes/s virtual"},
-                          {"rendering_wall_ms", "rendering a volume, wall", "ms", 1},
-                          {"rendering_virtual_ms", "rendering a volume, virtual", "ms", 1}}};
-  for (const LatencyCheck& check : study.checks) {
-    table.add({check.name + (check.calibrated_on ? " *" : ""),
-               check.sound_ms,
-               check.wall.n,
-               check.wall.p50,
-               drawn_cell(check.predicted.p50_ms),
-               off_by_percent(check.predicted.p50_ms.median, check.wall.p50),
-               check.wall.p99,
-               drawn_cell(check.predicted.p99_ms),
-               off_by_percent(check.predicted.p99_ms.median, check.wall.p99),
-               check.wall_volumes_per_s,
-               check.predicted.volumes_per_s,
-               check.wall_renderer_ms,
-               check.predicted.renderer_ms});
-  }
-  return table;
+  using C = LatencyCheck;
+  const auto wall = [](double Percentiles::*of) {
+    return [of](const C& check) { return check.wall.*of; };
+  };
+  const auto drawn = [](Drawn Prediction::*of) {
+    return [of](const C& check) { return drawn_cell(check.predicted.*of); };
+  };
+  const auto off_by = [](double Percentiles::*seen, Drawn Prediction::*said) {
+    return [=](const C& of) { return 100 * ((of.predicted.*said).median / (of.wall.*seen) - 1); };
+  };
+  return table_of<C>(
+      {.name = "checks"},
+      study.checks,
+      {{{"setting"}, [](const C& of) { return of.name + (of.calibrated_on ? " *" : ""); }},
+       {{"sound_ms", "sound", "ms", 1}, &C::sound_ms},
+       {{"n"}, [](const C& of) { return of.wall.n; }},
+       {{"p50_wall_ms", "P50 wall", "ms", 1}, wall(&Percentiles::p50)},
+       {{"p50_virtual_ms", "P50 virtual", "ms", 1}, drawn(&Prediction::p50_ms)},
+       {{"p50_off_percent", "off by", "%", 1}, off_by(&Percentiles::p50, &Prediction::p50_ms)},
+       {{"p99_wall_ms", "P99 wall", "ms", 1}, wall(&Percentiles::p99)},
+       {{"p99_virtual_ms", "P99 virtual", "ms", 1}, drawn(&Prediction::p99_ms)},
+       {{"p99_off_percent", "off by", "%", 1}, off_by(&Percentiles::p99, &Prediction::p99_ms)},
+       {{"volumes_per_s_wall", "volumes/s wall"}, &C::wall_volumes_per_s},
+       {{"volumes_per_s_virtual", "volumes/s virtual"},
+        [](const C& of) { return of.predicted.volumes_per_s; }},
+       {{"rendering_wall_ms", "rendering a volume, wall", "ms", 1}, &C::wall_renderer_ms},
+       {{"rendering_virtual_ms", "rendering a volume, virtual", "ms", 1},
+        [](const C& of) { return of.predicted.renderer_ms; }}});
 }
 
 /// Side by side at each setting: what the wall clock showed, and virtual time with its interval.
@@ -225,21 +219,19 @@ void add_checks(const LatencyStudy& study, Document& document) {
 }
 
 Table stall_table(const LatencyStudy& study) {
-  Table table{.name = "stalls",
-              .columns = {{"stall_ms", "stall", "ms", 0},
-                          {"recovered_wall_ms", "recovered after, wall", "ms", 1},
-                          {"recovered_virtual_ms", "recovered after, virtual", "ms", 1},
-                          {"worst_wall_ms", "oldest newest echo, wall", "ms", 1},
-                          {"worst_virtual_ms", "oldest newest echo, virtual", "ms", 1}}};
-  const auto or_none = [](double value) { return std::isfinite(value) ? Cell(value) : "none"; };
-  for (const StallRecovery& stall : study.stalls) {
-    table.add({stall.stall_ms,
-               or_none(stall.wall_ms),
-               or_none(stall.predicted_ms),
-               or_none(stall.wall_worst_ms),
-               or_none(stall.predicted_worst_ms)});
-  }
-  return table;
+  using S = StallRecovery;
+  const auto or_none = [](double S::*of) {
+    return [of](const S& s) { return std::isfinite(s.*of) ? Cell(s.*of) : Cell("none"); };
+  };
+  return table_of<S>(
+      {.name = "stalls"},
+      study.stalls,
+      {{{"stall_ms", "stall", "ms", 0}, &S::stall_ms},
+       {{"recovered_wall_ms", "recovered after, wall", "ms", 1}, or_none(&S::wall_ms)},
+       {{"recovered_virtual_ms", "recovered after, virtual", "ms", 1}, or_none(&S::predicted_ms)},
+       {{"worst_wall_ms", "oldest newest echo, wall", "ms", 1}, or_none(&S::wall_worst_ms)},
+       {{"worst_virtual_ms", "oldest newest echo, virtual", "ms", 1},
+        or_none(&S::predicted_worst_ms)}});
 }
 
 Chart stall_chart(const LatencyStudy& study,
@@ -340,20 +332,16 @@ void add_crossovers(const LatencyStudy& study, const Scene& scene, Document& doc
 
 void add_what_ifs(const LatencyStudy& study, Document& document) {
   if (study.what_ifs.empty()) return;
-  Table table{.name = "what_ifs",
-              .columns = {{"times", "times of"},
-                          {"p50_ms", "P50", "ms", 1},
-                          {"p99_ms", "P99", "ms", 1},
-                          {"volumes_per_s", "volumes/s"},
-                          {"rendering_ms", "rendering a volume", "ms", 1}}};
-  for (const WhatIf& what_if : study.what_ifs) {
-    const Prediction& predicted = what_if.predicted;
-    table.add({what_if.times,
-               drawn_cell(predicted.p50_ms),
-               drawn_cell(predicted.p99_ms),
-               predicted.volumes_per_s,
-               predicted.renderer_ms});
-  }
+  using W = WhatIf;
+  Table table = table_of<W>(
+      {.name = "what_ifs"},
+      study.what_ifs,
+      {{{"times", "times of"}, &W::times},
+       {{"p50_ms", "P50", "ms", 1}, [](const W& of) { return drawn_cell(of.predicted.p50_ms); }},
+       {{"p99_ms", "P99", "ms", 1}, [](const W& of) { return drawn_cell(of.predicted.p99_ms); }},
+       {{"volumes_per_s", "volumes/s"}, [](const W& of) { return of.predicted.volumes_per_s; }},
+       {{"rendering_ms", "rendering a volume", "ms", 1},
+        [](const W& of) { return of.predicted.renderer_ms; }}});
   document.add(Heading{"The scene by other machines' times"})
       .add(Text{"Virtual time, as above, by service times of `--times`: a machine by the paper's "
                 "settings of the renderer and by the default ones, whatever the scene's are. "
@@ -362,11 +350,10 @@ void add_what_ifs(const LatencyStudy& study, Document& document) {
 }
 
 void add_line_rates(const LatencyStudy& study, Document& document) {
-  Table table{.name = "line_rates",
-              .columns = {{"first_loss", "first loss"}, {"per_s", "sticks a second", "", 0}}};
-  for (const LineRate& rate : study.line_rates) {
-    table.add({rate.loss, Cell::spread(rate.per_s.median, rate.per_s.min, rate.per_s.max)});
-  }
+  Table table = table_of<LineRate>({.name = "line_rates"},
+                                   study.line_rates,
+                                   {{{"first_loss", "first loss"}, &LineRate::loss},
+                                    {{"per_s", "sticks a second", "", 0}, &LineRate::per_s}});
   document.add(Heading{"Highest line rate before the first loss"})
       .add(Text{"By bisection of the depth in virtual time, 300 volumes, 9 draws of service times: "
                 "median (least to most). The scene sends " +

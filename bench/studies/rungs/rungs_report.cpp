@@ -18,10 +18,6 @@ std::string spread_text(const Spread& ms, int digits = 0) {
          ")";
 }
 
-Cell spread_cell(const Spread& ms) {
-  return Cell::spread(ms.median, ms.min, ms.max);
-}
-
 const RungTime* time_of(const RungsResults& results, sim::Rung rung) {
   for (const RungTime& time : results.times) {
     if (time.rung == rung) return &time;
@@ -76,7 +72,7 @@ Table errors_table(const RungsResults& results) {
     const bool timed = time != nullptr && error.body == results.phantom;
     std::vector<Cell> row = {error.body,
                              sim::to_string(error.rung),
-                             timed ? spread_cell(time->first_ms) : Cell(),
+                             timed ? Cell(time->first_ms) : Cell(),
                              timed ? Cell(results.sound_ms / time->first_ms.median) : Cell()};
     add_range_error(error.against_truth, row);
     if (error.against_above) add_range_error(*error.against_above, row);
@@ -146,10 +142,9 @@ Table times_table(const RungsResults& results) {
     table.columns.push_back({name + "_times_real_time", "times real time", "", 2, true});
   }
   for (const RungTime& time : results.times) {
-    std::vector<Cell> row = {
-        sim::to_string(time.rung), spread_cell(time.map_ms), spread_cell(time.once_ms)};
+    std::vector<Cell> row = {sim::to_string(time.rung), time.map_ms, time.once_ms};
     for (const Shown& shown : kShown) {
-      row.push_back(spread_cell(time.*shown.ms));
+      row.emplace_back(time.*shown.ms);
       row.emplace_back(results.sound_ms / (time.*shown.ms).median);
     }
     table.add(std::move(row));
@@ -191,20 +186,15 @@ Table exponents_table(const RungsResults& results) {
 }
 
 Table growth_table(const RungsResults& results) {
-  Table table{.name = "growth",
-              .columns = {{"what"},
-                          {"size", "size (of tissue: share of the samples)", "", 3, true},
-                          {"rung"},
-                          {"moving_ms", "moving volume", "ms", 1},
-                          {"first_ms", "first volume", "ms", 1}}};
-  for (const GrowthPoint& point : results.growth) {
-    table.add({point.what,
-               point.size,
-               sim::to_string(point.rung),
-               spread_cell(point.time.moving_ms),
-               spread_cell(point.time.first_ms)});
-  }
-  return table;
+  using G = GrowthPoint;
+  return table_of<G>(
+      {.name = "growth"},
+      results.growth,
+      {{{"what"}, &G::what},
+       {{"size", "size (of tissue: share of the samples)", "", 3, true}, &G::size},
+       {{"rung"}, [](const G& of) { return sim::to_string(of.rung); }},
+       {{"moving_ms", "moving volume", "ms", 1}, [](const G& of) { return of.time.moving_ms; }},
+       {{"first_ms", "first volume", "ms", 1}, [](const G& of) { return of.time.first_ms; }}});
 }
 
 void add_growth(const RungsResults& results, Document& document) {

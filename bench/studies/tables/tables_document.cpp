@@ -99,25 +99,18 @@ void add_arrival(const TableResults& results, const Table& rows, Document& docum
 }
 
 void add_stages(const TableResults& results, Document& document) {
-  Table table{.name = "stages",
-              .columns = {{"settings"},
-                          {"frames", "frames a volume", "", 0},
-                          {"frame_ms", "one frame", "ms", 3, true},
-                          {"last_frame_ms", "last frame", "ms", 3, true},
-                          {"picture_ms", "new picture", "ms", 3, true},
-                          {"new_view_ms", "new view", "ms", 3, true}}};
-  const auto spread = [](const std::vector<double>& ms) {
-    const Spread of = spread_of(ms);
-    return Cell::spread(of.median, of.min, of.max);
+  using S = StageTimes;
+  const auto column = [](const char* key, const char* title, std::vector<double> S::*ms) {
+    return Field<S>({key, title, "ms", 3, true}, [ms](const S& of) { return spread_of(of.*ms); });
   };
-  for (const StageTimes& times : results.stages) {
-    table.add({times.settings,
-               times.frames,
-               spread(times.frame_ms),
-               spread(times.last_frame_ms),
-               spread(times.picture_ms),
-               spread(times.new_view_ms)});
-  }
+  Table table = table_of<S>({.name = "stages"},
+                            results.stages,
+                            {{{"settings"}, &S::settings},
+                             {{"frames", "frames a volume", "", 0}, &S::frames},
+                             column("frame_ms", "one frame", &S::frame_ms),
+                             column("last_frame_ms", "last frame", &S::last_frame_ms),
+                             column("picture_ms", "new picture", &S::picture_ms),
+                             column("new_view_ms", "new view", &S::new_view_ms)});
   document.add(Heading{"Stages of a stream"})
       .add(Text{
           "The paper's settings and the default ones, on the wall clock: upload and pass 1 of "
@@ -196,27 +189,20 @@ std::string origin_of(const Provenance& provenance) {
 }  // namespace
 
 void add_agreement(const PicturesAgainst& against, Document& document) {
-  Table table{.name = "agreement",
-              .columns = {{"settings"},
-                          {"pixels", "surface in both", "pixels", 0},
-                          {"z_rms_mm", "z, RMS", "mm", 4},
-                          {"z_p999_mm", "99.9 % below", "mm", 4},
-                          {"z_largest_mm", "largest", "mm", 3},
-                          {"found_in_one_percent", "found in one", "%", 3},
-                          {"unexplained_percent", "unexplained", "%", 3},
-                          {"light_rms", "light, RMS", "", 5},
-                          {"light_largest", "largest", "", 3}}};
-  for (const PictureAgreement& of : against.agreements) {
-    table.add({of.settings,
-               of.pixels,
-               of.z_rms_mm,
-               of.z_p999_mm,
-               of.z_largest_mm,
-               100 * of.found_in_one_share,
-               100 * of.unexplained_share,
-               of.light_rms,
-               of.light_largest});
-  }
+  using P = PictureAgreement;
+  Table table = table_of<P>({.name = "agreement"},
+                            against.agreements,
+                            {{{"settings"}, &P::settings},
+                             {{"pixels", "surface in both", "pixels", 0}, &P::pixels},
+                             {{"z_rms_mm", "z, RMS", "mm", 4}, &P::z_rms_mm},
+                             {{"z_p999_mm", "99.9 % below", "mm", 4}, &P::z_p999_mm},
+                             {{"z_largest_mm", "largest", "mm", 3}, &P::z_largest_mm},
+                             {{"found_in_one_percent", "found in one", "%", 3},
+                              [](const P& of) { return 100 * of.found_in_one_share; }},
+                             {{"unexplained_percent", "unexplained", "%", 3},
+                              [](const P& of) { return 100 * of.unexplained_share; }},
+                             {{"light_rms", "light, RMS", "", 5}, &P::light_rms},
+                             {{"light_largest", "largest", "", 3}, &P::light_largest}});
   document.add(Heading{"The picture against another context's"})
       .add(Text{"The same recording by " + against.other +
                 ". z: of pass 2. A GPU rounds the fractions of its linear filters to 8 bits: a "

@@ -21,10 +21,6 @@ Column ms_column(const std::string& key, const std::string& title) {
   return {key, title, "ms", 3, true};
 }
 
-Cell spread_cell(const Spread& spread) {
-  return Cell::spread(spread.median, spread.min, spread.max);
-}
-
 /// Quartiles where there are several ratios.
 Cell ratio_cell(const Quartiles& ratio) {
   if (ratio.lower == ratio.upper) return ratio.median;
@@ -86,7 +82,7 @@ Cells measured_cells(const std::string& table, const MeasuredRow& measured, cons
   cells["paper_ratio"] = measured.paper_ratio;
   cells["speed_up"] = measured.speed_up();
   for (const auto& [variant, timing] : measured.timings) {
-    cells[to_string(variant) + "_ms"] = spread_cell(timing.frame_ms);
+    cells[to_string(variant) + "_ms"] = timing.frame_ms;
     cells[to_string(variant) + "_ratio"] = ratio_cell(timing.ratio);
     for (const PassTiming& pass : timing.passes) cells[pass_key(variant, pass.name)] = pass.ms;
   }
@@ -103,7 +99,7 @@ Cells arrival_cells(const std::string& what,
                     const TableRun& run) {
   Cells cells = setting_cells("arrival", what, reference_row(), run);
   for (const PipelineVariant variant : kCompared) {
-    cells[to_string(variant) + "_ms"] = spread_cell(results.arrival(variant).*spread);
+    cells[to_string(variant) + "_ms"] = results.arrival(variant).*spread;
   }
   cells["speed_up"] = (results.arrival(PipelineVariant::plain).*spread).median /
                       (results.arrival(PipelineVariant::fast).*spread).median;

@@ -9,6 +9,7 @@
 #include "base/part_done.h"
 #include "bench/cache/phantom_cache.h"
 #include "bench/evaluation/measures/picture_measures.h"
+#include "bench/results/error.h"
 #include "bench/studies/trade/trade_analysis.h"
 #include "render/gl/context.h"
 
@@ -17,8 +18,8 @@ namespace wobblebench::bench {
 /// What a tolerance bounds: P95 of the depth error's magnitude more than 3 mm from a silhouette, mm
 /// (at a silhouette depth jumps, so that half a pixel costs centimetres), with at most
 /// kMostWrongPercent of the picture missed or false.
-inline constexpr const char* kToleranceMeasure = "outside_p95_mm";
-inline constexpr const char* kWrongMeasure = "missed_or_false_percent";
+inline constexpr const char* kToleranceMeasure = error::kOutsideP95.key;
+inline constexpr const char* kWrongMeasure = error::kMissedOrFalse.key;
 
 /// "0.5mm" in mm. Throws UserError "--tolerance = TEXT: what is allowed".
 double parse_tolerance_mm(const std::string& text);

@@ -16,9 +16,9 @@ Json setting_json(const ToleranceSetting& setting) {
   const TradeScore& score = setting.score;
   return {{"settings", setting.text},
           {"holds", setting.holds},
-          {"outside_p95_mm", number(quantity_of(score, kToleranceMeasure))},
+          {kToleranceMeasure, number(quantity_of(score, kToleranceMeasure))},
           {"outside_p95_bound_mm", number(upper_quantity(score, kToleranceMeasure))},
-          {"missed_or_false_percent", number(quantity_of(score, kWrongMeasure))},
+          {kWrongMeasure, number(quantity_of(score, kWrongMeasure))},
           {"missed_or_false_bound_percent", number(upper_quantity(score, kWrongMeasure))},
           {"volume_ms", number(score.volume_ms)}};
 }

@@ -8,6 +8,8 @@
 #include <random>
 #include <utility>
 
+#include "bench/results/error.h"
+
 namespace wobblebench::bench {
 
 namespace {
@@ -207,11 +209,11 @@ double deviation_of_nothing(const TradeWork& work, const VarianceShare& share, s
 }  // namespace
 
 double TradeScore::p95_mm() const {
-  return measures[trade_measure("p95_mm")].mean;
+  return measures[trade_measure(error::kP95.key)].mean;
 }
 
 double TradeScore::wrong_percent() const {
-  return measures[trade_measure("missed_or_false_percent")].mean;
+  return measures[trade_measure(error::kMissedOrFalse.key)].mean;
 }
 
 std::optional<TradeScore> trade_score(const TradeWork& work,

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "base/number_text.h"
+#include "bench/results/error.h"
 #include "bench/studies/trade/trade_report.h"
 
 namespace wobblebench::bench {
@@ -18,12 +19,12 @@ using Part = TradeResults::Part;
 struct Response {
   const char* title;
   const char* label;
-  const char* measure;
+  const Measure* measure;
 };
-constexpr Response kResponses[] = {{"Time against error", "depth error, P95 (mm)", "p95_mm"},
+constexpr Response kResponses[] = {{"Time against error", "depth error, P95 (mm)", &error::kP95},
                                    {"Time against surface missed or false",
                                     "missed or false (% of the picture)",
-                                    "missed_or_false_percent"}};
+                                    &error::kMissedOrFalse}};
 
 class FrontCharts {
  public:
@@ -31,7 +32,7 @@ class FrontCharts {
       : results_(results), part_(part), named_(named_points(results.work, part.scenes.front())) {}
 
   Chart chart(const Response& response) const {
-    const std::size_t measure = trade_measure(response.measure);
+    const std::size_t measure = trade_measure(response.measure->key);
     Chart chart{.title = std::string(response.title) + ": " + part_.name,
                 .x = {"time of a new volume / the reference's", Scale::logarithmic},
                 .y = {response.label, scale_of(measure)}};
@@ -201,12 +202,12 @@ std::string measured_text(const Part& part, std::size_t point) {
                                   part.scores.end(),
                                   [&](const TradeScore& score) { return score.point == point; });
   if (found == part.scores.end()) return "- " + part.name + ": refused\n";
-  const auto text = [&](const char* measure) {
-    return interval_cell(found->measures[trade_measure(measure)]).shown({.key = measure});
+  const auto text = [&](const Measure& measure) {
+    return interval_cell(found->measures[trade_measure(measure.key)]).shown(column_of(measure));
   };
   return "- " + part.name + ": " + fixed(found->volume_ratio, 2) + " of the reference's time (" +
-         fixed(found->volume_ms, 0) + " ms), P95 " + text("p95_mm") + " mm, missed " +
-         text("missed_percent") + " %, false " + text("false_percent") + " %\n";
+         fixed(found->volume_ms, 0) + " ms), P95 " + text(error::kP95) + " mm, missed " +
+         text(error::kMissed) + " %, false " + text(error::kFalse) + " %\n";
 }
 
 /// What the front's intervals are over; one seed gives none.

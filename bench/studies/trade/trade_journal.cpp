@@ -2,45 +2,26 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
 #include <nlohmann/json.hpp>
 #include <sstream>
 #include <stdexcept>
 
-#include "base/statistics.h"
-#include "base/units.h"
 #include "bench/output/report_parts.h"
+#include "bench/results/error.h"
 
 namespace wobblebench::bench {
 
 namespace {
 
-/// Over the pixels outside the band at silhouettes, in mm.
-double outside(const PictureMeasures& measures, double DepthStatistics::*member) {
-  for (const RegionError& region : measures.regions) {
-    if (region.group != "silhouette" || region.name != "outside") continue;
-    return region.depth.*member / kMillimetre;
-  }
-  return kUnset;
-}
-
-using NamedMeasure = std::pair<std::string, std::function<double(const PictureMeasures&)>>;
-
-const std::vector<NamedMeasure>& columns() {
-  using M = const PictureMeasures&;
-  static const std::vector<NamedMeasure> all = {
-      {"median_mm", [](M m) { return m.raw.depth.median_m / kMillimetre; }},
-      {"rms_mm", [](M m) { return m.raw.depth.rms_m / kMillimetre; }},
-      {"p95_mm", [](M m) { return m.raw.depth.p95_m / kMillimetre; }},
-      {"outside_rms_mm", [](M m) { return outside(m, &DepthStatistics::rms_m); }},
-      {"outside_p95_mm", [](M m) { return outside(m, &DepthStatistics::p95_m); }},
-      {"missed_percent", [](M m) { return m.raw.missed_percent(); }},
-      {"false_percent", [](M m) { return m.raw.false_percent(); }},
-      {"missed_or_false_percent",
-       [](M m) { return m.raw.missed_percent() + m.raw.false_percent(); }},
-      {"normal_median_deg", [](M m) { return m.filtered.normal.median_rad / kDegree; }}};
-  return all;
-}
+constexpr const Measure* kTraded[] = {&error::kMedian,
+                                      &error::kRms,
+                                      &error::kP95,
+                                      &error::kOutsideRms,
+                                      &error::kOutsideP95,
+                                      &error::kMissed,
+                                      &error::kFalse,
+                                      &error::kMissedOrFalse,
+                                      &error::kNormalMedian};
 
 using Json = nlohmann::ordered_json;
 
@@ -96,7 +77,7 @@ TradeRecord measured_of(const Json& json) {
 const std::vector<std::string>& trade_measure_names() {
   static const std::vector<std::string> names = [] {
     std::vector<std::string> result;
-    for (const auto& [name, value] : columns()) result.push_back(name);
+    for (const Measure* measure : kTraded) result.emplace_back(measure->key);
     return result;
   }();
   return names;
@@ -104,9 +85,8 @@ const std::vector<std::string>& trade_measure_names() {
 
 std::vector<double> trade_measures(const PictureMeasures& measures) {
   std::vector<double> values;
-  for (const auto& [name, value] : columns()) {
-    values.push_back(measures.raw.surface_in_view() ? value(measures) : kUnset);
-  }
+  const Measurements found = described(measures, ExpectedSurface());
+  for (const Measure* measure : kTraded) values.push_back(found.value(*measure));
   return values;
 }
 

@@ -7,6 +7,7 @@
 
 #include "base/number_text.h"
 #include "base/statistics.h"
+#include "bench/results/error.h"
 
 namespace wobblebench::bench {
 
@@ -30,11 +31,11 @@ Column column_of(TradeResponse response) {
     case TradeResponse::log2_volume_ratio:
       return {"time_doublings", "time", "doublings"};
     case TradeResponse::p95_mm:
-      return {"p95_mm", "P95", "mm"};
+      return column_of(error::kP95);
     case TradeResponse::missed_or_false_percent:
       break;
   }
-  return {"missed_or_false_percent", "missed or false", "%"};
+  return column_of(error::kMissedOrFalse);
 }
 
 std::string head_text(const TradeResults& results) {
@@ -44,7 +45,7 @@ std::string head_text(const TradeResults& results) {
       std::to_string(plan.scenes.size()) + " scenes and " + std::to_string(plan.seeds.size()) +
       " seeds (" + std::to_string(plan.seeds.front()) + " to " + std::to_string(plan.seeds.back()) +
       "): " + std::to_string(results.records.size()) +
-      " measurements. All sticks are simulated. Measured by:\n\n";
+      " measurements. All sticks are simulated. MeasuredValue by:\n\n";
   for (const std::string& machine : results.machines) text += "- " + machine + "\n";
   text +=
       "\nTimes are those of the picture of a new volume (pass 1 with the reconstruction before it, "
@@ -87,23 +88,20 @@ std::string evaluation_text(const TradeResults& results) {
 }
 
 Table front_table(const TradeResults& results, const Part& part) {
-  const std::vector<Column> measures = {{"median_mm", "median", "mm"},
-                                        {"p95_mm", "P95", "mm"},
-                                        {"outside_p95_mm", "P95 outside silhouettes", "mm"},
-                                        {"missed_percent", "missed", "%"},
-                                        {"false_percent", "false", "%"}};
+  static constexpr const Measure* kShown[] = {
+      &error::kMedian, &error::kP95, &error::kOutsideP95, &error::kMissed, &error::kFalse};
   Table table{.name = "front_" + part.file(),
-              .columns = {{"point"},
-                          {"volume_ratio", "time"},
-                          {"view_ratio", "time of a new view"},
-                          {"volume_ms", "time", "ms", 0}}};
-  table.columns.insert(table.columns.end(), measures.begin(), measures.end());
+              .columns = columns_of({{"point"},
+                                     {"volume_ratio", "time"},
+                                     {"view_ratio", "time of a new view"},
+                                     {"volume_ms", "time", "ms", 0}},
+                                    kShown)};
   table.columns.push_back({"setting"});
   for (const std::size_t i : part.front) {
     const TradeScore& score = part.scores[i];
     std::vector<Cell> row = {score.point, score.volume_ratio, score.view_ratio, score.volume_ms};
-    for (const Column& column : measures) {
-      row.push_back(interval_cell(score.measures[trade_measure(column.key)]));
+    for (const Measure* measure : kShown) {
+      row.push_back(interval_cell(score.measures[trade_measure(measure->key)]));
     }
     row.emplace_back(point_text(results.work, score.point));
     table.add(std::move(row), point_id(score.point));

@@ -7,6 +7,7 @@
 
 #include "base/statistics.h"
 #include "bench/output/report_parts.h"
+#include "bench/results/error.h"
 #include "bench/studies/tune/tune_report.h"
 
 namespace wobblebench::bench {
@@ -124,8 +125,8 @@ Json answer_json(const RequestAnswer& answer) {
     if (!value) return Json(nullptr);
     return Json{{"volume_ratio", value->volume_ratio},
                 {"volume_ms", value->volume_ms},
-                {"p95_mm", number(value->p95_mm())},
-                {"missed_or_false_percent", number(value->wrong_percent())}};
+                {error::kP95.key, number(value->p95_mm())},
+                {error::kMissedOrFalse.key, number(value->wrong_percent())}};
   };
   return {{"measured_points", answer.evaluated},
           {"candidates", answer.candidates},

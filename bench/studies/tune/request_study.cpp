@@ -8,13 +8,14 @@
 
 #include "base/hash.h"
 #include "base/user_error.h"
+#include "bench/results/error.h"
 
 namespace wobblebench::bench {
 
 namespace {
 
 constexpr double kMostAbove = 0.3;
-constexpr const char* kLimited[] = {"p95_mm", "missed_or_false_percent"};
+constexpr const char* kLimited[] = {error::kP95.key, error::kMissedOrFalse.key};
 
 /// One scene of a plan, with its measurements and its front.
 struct SceneTrade {

@@ -7,6 +7,7 @@
 
 #include "base/number_text.h"
 #include "bench/output/report_parts.h"
+#include "bench/results/error.h"
 #include "bench/scene/scene_text.h"
 #include "bench/studies/trade/trade_report.h"
 
@@ -27,7 +28,8 @@ std::vector<std::string> columns_of(const TuneRequest& request) {
     if (std::find(columns.begin(), columns.end(), name) == columns.end()) columns.push_back(name);
   };
   for (const TuneLimit& limit : request.limits) add(limit.name);
-  for (const char* name : {"volume_ms", "p95_mm", "missed_percent", "false_percent"}) add(name);
+  add("volume_ms");
+  for (const Measure* always : {&error::kP95, &error::kMissed, &error::kFalse}) add(always->key);
   return columns;
 }
 

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
@@ -46,7 +47,6 @@ TEST(Table, AsCsvHasTheEndsOfRangesAndQuotesWhatNeedsIt) {
 TEST(Table, AsJsonHasNullForWhatIsNotKnown) {
   const Json rows = to_json(passes());
   ASSERT_EQ(rows.size(), 2U);
-  EXPECT_EQ(rows[0]["pass"], "filter");
   EXPECT_EQ(rows[0]["median_ms"], (Json{{"value", 4.25}, {"low", 4.0}, {"high", 5.125}}));
   EXPECT_TRUE(rows[1]["median_ms"].is_null());
   EXPECT_EQ(rows[1]["n"], 1000000);
@@ -60,6 +60,25 @@ TEST(Table, SignificantDigitsSuitValuesOfManySizes) {
   EXPECT_EQ(Cell(2.5e8).shown(column), "2.5e+08");
   EXPECT_EQ(Cell::interval(2.0, kNone).shown(column), "2");
   EXPECT_EQ(Cell().shown(column), "");
+}
+
+TEST(Table, HasAFieldOfEachRowInItsColumns) {
+  const auto is_slow = [](const std::string& pass) { return pass == "filter"; };
+  const std::vector<Field<std::string>> fields = {{{"pass"}, std::identity()}, {{"slow"}, is_slow}};
+  const Table table = table_of<std::string>({}, std::vector<std::string>{"filter"}, fields);
+  EXPECT_EQ(to_json(table), Json::parse(R"([{"pass": "filter", "slow": true}])"));
+}
+
+TEST(Measurements, StandInReportsAndTablesAsTheyAreDeclared) {
+  static constexpr Measure kP95{"p95_mm", "P95", ""}, kPixels{"pixels", "pixels", ""};
+  static constexpr const Measure* kShown[] = {&kP95, &kPixels};
+  Measurements found;
+  found.group("distance_mm/back");
+  found.add(kP95, 1.25);
+  found.add(kPixels, 12);
+  EXPECT_EQ(to_json(found), Json::parse(R"({"distance_mm": {"back": {"p95": 1.25, "n": 12}}})"));
+  const Table table{.columns = columns_of({}, kShown), .rows = {cells_of({}, found, kShown)}};
+  EXPECT_EQ(markdown(table), "| P95, mm | pixels |\n| ---: | ---: |\n| 1.250 | 12 |\n");
 }
 
 TEST(Table, ColumnsAreChosenByTheirKeys) {

@@ -3,7 +3,6 @@
 
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -15,17 +14,12 @@ namespace {
 
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 
-std::size_t index_of(const std::string& name) {
-  const auto& names = measure_names();
-  return static_cast<std::size_t>(std::find(names.begin(), names.end(), name) - names.begin());
-}
-
 AccuracyRow row(const std::string& setting,
                 std::uint64_t seed,
                 const std::string& region,
                 double p95_mm) {
-  std::vector<double> values(measure_names().size(), kNone);
-  values.at(index_of("p95_mm")) = p95_mm;
+  std::vector<double> values(picture_measures().size(), kNone);
+  values.at(measure_index("p95_mm")) = p95_mm;
   const std::string group = region == "all" ? "picture" : "incidence";
   const double render_ms = region == "all" ? (setting == "paper" ? 1.5 : 4.5) : kNone;
   return {"ball", "field", setting, seed, {group, region, values}, render_ms};
@@ -47,7 +41,7 @@ AccuracyResults made_up() {
 
 TEST(AccuracySummary, IsMeanAndPairedDifferenceOverSeeds) {
   const AccuracyResults results = made_up();
-  const std::size_t p95 = index_of("p95_mm");
+  const std::size_t p95 = measure_index("p95_mm");
   ASSERT_EQ(results.summaries.size(), 4U);
   const AccuracySummary& paper = results.summaries[0];
   const AccuracySummary& longer = results.summaries[1];
@@ -56,7 +50,7 @@ TEST(AccuracySummary, IsMeanAndPairedDifferenceOverSeeds) {
   EXPECT_NEAR(longer.differences[p95].mean, -3.8, 1e-12);
   // t(0.975, 2) = 4.3027; the standard deviation of 0.1, 0.2, 0.3 is 0.1.
   EXPECT_NEAR(longer.differences[p95].half, 4.3027 * 0.1 / std::sqrt(3), 1e-4);
-  EXPECT_EQ(longer.means[index_of("ssim")].n, 0);
+  EXPECT_EQ(longer.means[measure_index("ssim")].n, 0);
   EXPECT_DOUBLE_EQ(longer.render_ms.mean, 4.5);
   EXPECT_DOUBLE_EQ(longer.render_ratio.mean, 3);
   EXPECT_EQ(results.summaries[2].render_ms.n, 0);  // of a region
@@ -67,14 +61,14 @@ TEST(AccuracySummary, ComparesTheSeedsThatBothHave) {
   const AccuracySummary& region = results.summaries[2];
   ASSERT_EQ(region.region, "0-20");
   ASSERT_EQ(region.setting, "long");
-  EXPECT_EQ(region.means[index_of("p95_mm")].n, 2);
-  EXPECT_EQ(region.differences[index_of("p95_mm")].n, 1);
-  EXPECT_EQ(region.differences[index_of("p95_mm")].mean, -3);
+  EXPECT_EQ(region.means[measure_index("p95_mm")].n, 2);
+  EXPECT_EQ(region.differences[measure_index("p95_mm")].n, 1);
+  EXPECT_EQ(region.differences[measure_index("p95_mm")].mean, -3);
 }
 
 TEST(AccuracyReport, HasARowForEachSeedAndRegion) {
   const Table rows = accuracy_document(made_up(), {}).data.front().table;
-  EXPECT_EQ(rows.columns.size(), 7 + measure_names().size());
+  EXPECT_EQ(rows.columns.size(), 7 + picture_measures().size());
   EXPECT_EQ(rows.rows.size(), 9U);
 }
 
@@ -85,7 +79,7 @@ TEST(MeasureRows, OfNoSurfaceInViewHaveNoPercentages) {
   measures.raw.false_surface = 3;
   const MeasureRow whole = measure_rows(measures).front();
   for (const char* name : {"missed_percent", "missed_surface_percent", "false_percent"}) {
-    EXPECT_TRUE(std::isnan(whole.values[index_of(name)])) << name;
+    EXPECT_TRUE(std::isnan(whole.values[measure_index(name)])) << name;
   }
   EXPECT_EQ(why_no_surface(measures.raw), "the phantom has none in render.volume_of_interest");
   measures.raw.shadowed = 5;

@@ -22,7 +22,8 @@ TEST_F(ExtremesCommand, EveryCaseDoesWhatItMust) {
     EXPECT_TRUE(outcome.at("passed")) << outcome.dump();
   }
   EXPECT_EQ(extremes.at("failed"), 0);
-  EXPECT_EQ(folder_.files("out"), words_of("extremes.csv extremes.md report.html report.json"));
+  EXPECT_EQ(folder_.files("out"),
+            words_of("extremes.csv extremes.md extremes_numbers.csv report.html report.json"));
 }
 
 TEST_F(ExtremesCommand, RefusesABadSeedBeforeAnyWork) {

@@ -154,8 +154,7 @@ TEST_F(Trade, ThePageNamesTheCommandOfAPoint) {
     return fields;
   };
   const auto all = cells(names);
-  const auto column =
-      static_cast<std::size_t>(std::find(all.begin(), all.end(), "p95_mm") - all.begin());
+  const auto column = std::ranges::find(all, "p95_mm") - all.begin();
   const double p95_mm = run.at("error").at("depth_mm").at("p95");
   EXPECT_NEAR(std::stod(cells(first).at(column)), p95_mm, 1e-6 * p95_mm);
 }

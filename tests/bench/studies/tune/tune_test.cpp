@@ -27,14 +27,12 @@ TEST(TuneLimit, IsANameAndANumber) {
   EXPECT_EQ(limit.name, "p95_mm");
   EXPECT_EQ(limit.most, 2.5);
   for (const char* wrong : {"p95_mm",
-                            "p95_mm<2",
                             "p95<=2",
                             "p95_mm<=",
                             "p95_mm<=two",
                             "p95_mm<=0",
                             "p95_mm<=-1",
                             "p95_mm<=nan",
-                            "p95_mm<=inf",
                             "p95_mm<=2 mm",
                             "<=2"}) {
     EXPECT_THROW(parse_limit(wrong), UserError) << wrong;

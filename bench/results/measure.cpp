@@ -1,0 +1,83 @@
+#include "bench/results/measure.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <nlohmann/json.hpp>
+#include <sstream>
+#include <utility>
+
+namespace wobblebench::bench {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+std::vector<std::string> words_of(std::string text) {
+  std::ranges::replace(text, '/', '_');
+  std::istringstream stream(text);
+  std::vector<std::string> words;
+  for (std::string word; std::getline(stream, word, '_');) words.push_back(word);
+  return words;
+}
+
+/// Schema 1 leaves out of a key what its group says already, and calls the count of a group n.
+std::string place_of(const std::string& group, const std::string& key) {
+  if (group.empty()) return "/" + key;
+  std::string name;
+  for (const std::string& word : words_of(key)) {
+    if (std::ranges::count(words_of(group), word) > 0) continue;
+    name += (name.empty() ? "" : "_") + (word == "pixels" ? "n" : word);
+  }
+  return "/" + group + "/" + name;
+}
+
+Json json_of(const MeasuredValue& found) {
+  if (!std::isfinite(found.value)) return nullptr;
+  return found.whole ? Json(static_cast<std::int64_t>(found.value)) : Json(found.value);
+}
+
+constexpr Unit kUnits[] = {{"_mm", "mm", 3},
+                           {"_cm2", "cm²", 2},
+                           {"_percent", "%", 2},
+                           {"_deg", "°", 1},
+                           {"_ms", "ms", 1},
+                           {"_db", "dB", 1},
+                           {"", "", 3}};
+
+}  // namespace
+
+const Unit& unit_of(std::string_view key) {
+  return *std::ranges::find_if(kUnits,
+                               [&](const Unit& unit) { return key.ends_with(unit.ending); });
+}
+
+void Measurements::add(const Measure& measure, double value, bool whole) {
+  all_.push_back({&measure, value, whole, place_of(group_, measure.key)});
+}
+
+const MeasuredValue* Measurements::find(std::string_view key) const {
+  const auto found =
+      std::ranges::find(all_, key, [](const MeasuredValue& one) { return one.measure->key; });
+  return found == all_.end() ? nullptr : &*found;
+}
+
+double Measurements::value(const Measure& measure) const {
+  const MeasuredValue* const found = find(measure.key);
+  return found ? found->value : std::numeric_limits<double>::quiet_NaN();
+}
+
+Json to_json(const Measurements& found) {
+  Json json;
+  for (const MeasuredValue& one : found) json[Json::json_pointer(one.place)] = json_of(one);
+  return json;
+}
+
+Json flat_json(const Measurements& found) {
+  Json json;
+  for (const MeasuredValue& one : found) json.emplace(one.measure->key, json_of(one));
+  return json;
+}
+
+}  // namespace wobblebench::bench
