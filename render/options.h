@@ -53,8 +53,8 @@ struct ReconstructionOptions {
   /// aligned: sticks and frames are added until neighbours lie this near at the far side of the
   /// volume of interest.
   double spacing_m = 1e-3;
-  /// aligned, or iso_level auto: a stick's own edge is where its echo is so far up from the level of fluid to that of
-  /// tissue (render/reconstruction/echo_levels.h).
+  /// aligned, or iso_level auto: a stick's own edge is where its echo is so far up from the level
+  /// of fluid to that of tissue (render/reconstruction/echo_levels.h).
   double edge_level = 0.5;
   /// aligned: edges of neighbouring sticks lie on one surface unless its slope exceeds this angle.
   double steepest_rad = 65 * kDegree;

@@ -110,9 +110,8 @@ struct Renderer::Pipeline {
     const double steps = factory.geometry().frames_per_planned_frame();
     incoming->set_covered({steps * angles.covered.first, steps * angles.covered.last});
     if (!angles.as_planned()) incoming->sweep = 1;
-    const EchoLevels levels = needs_levels(options)
-                                  ? reconstruction.levels(frames.received(), angles)
-                                  : EchoLevels();
+    const EchoLevels levels =
+        needs_levels(options) ? reconstruction.levels(frames.received(), angles) : EchoLevels();
     if (!reconstruction.makes_frames(angles)) {
       set_incoming_levels(levels, {});
       frames.drop_aligned();
@@ -121,7 +120,8 @@ struct Renderer::Pipeline {
     const hw::BeamWidths* widths = has_stick_levels(options) ? &beam_widths() : nullptr;
     const auto sticks = reconstruction.prepare(frames.received(), angles, levels, widths);
     set_incoming_levels(levels, sticks);
-    frames.put_aligned(reconstruction.frames(frames.received(), angles, sticks));
+    frames.put_aligned(
+        reconstruction.frames(frames.received(), angles, sticks, frames.take_aligned()));
     return true;
   }
 
@@ -254,8 +254,8 @@ struct Renderer::Pipeline {
   void set_options_of(SliceVolume& volume, const std::optional<SurfaceLevels>& levels) const {
     volume.set_options(options);
     if (!levels) return;
-    volume.set_level(detection_level({levels->fluid, levels->tissue, levels->separate},
-                                     options.ray_casting));
+    volume.set_level(
+        detection_level({levels->fluid, levels->tissue, levels->separate}, options.ray_casting));
   }
 
   void set_view() {

@@ -69,14 +69,19 @@ void add_shifted(const float* stick, double shift, float weight, int count, floa
 
 /// Sticks of one size in rows, with their edges.
 struct StickRows {
-  StickRows(int row_count, int stick_count, int sample_count)
+  StickRows(int row_count,
+            int stick_count,
+            int sample_count,
+            std::vector<std::vector<float>> memory = {})
       : rows(row_count),
         sticks(stick_count),
         samples(sample_count),
+        values(std::move(memory)),
         edges(static_cast<std::size_t>(row_count) * static_cast<std::size_t>(stick_count)) {
-    values.assign(
-        static_cast<std::size_t>(rows),
-        std::vector<float>(static_cast<std::size_t>(sticks) * static_cast<std::size_t>(samples)));
+    values.resize(static_cast<std::size_t>(rows));
+    for (auto& row : values) {
+      row.resize(static_cast<std::size_t>(sticks) * static_cast<std::size_t>(samples));
+    }
   }
   float* at(int row, int stick) {
     return values[static_cast<std::size_t>(row)].data() + std::ptrdiff_t{stick} * samples;
@@ -161,7 +166,8 @@ std::vector<std::vector<float>> align_sticks(const hw::AcquisitionPlan& plan,
                                              const std::vector<std::vector<float>>& frames,
                                              const MotorAngles& angles,
                                              const std::vector<double>& edges,
-                                             double steepest_rad) {
+                                             double steepest_rad,
+                                             std::vector<std::vector<float>> memory) {
   const hw::AcquisitionOptions& scan = plan.acquisition();
   const hw::AcquisitionOptions dense = dense_plan(plan, factors).acquisition();
   const int samples = scan.samples_per_stick;
@@ -189,7 +195,7 @@ std::vector<std::vector<float>> align_sticks(const hw::AcquisitionPlan& plan,
       lines.edge(frame, line) = mix(views, place, geometry.radius_m(), lines.at(frame, line));
     }
   });
-  StickRows all(dense.frames_per_volume, dense.sticks_per_frame, samples);
+  StickRows all(dense.frames_per_volume, dense.sticks_per_frame, samples, std::move(memory));
   const DenseFrames dense_frames(plan, factors, angles);
   parallel_rows(all.rows, [&](int frame) {
     for (int line = 0; line < all.sticks; ++line) {

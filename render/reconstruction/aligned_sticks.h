@@ -31,12 +31,14 @@ double mix_sticks(const std::array<StickView, 4>& sticks,
 
 /// The frames of dense_plan(): samples in the order of a frame's. `angles`: of `frames`. `edges`:
 /// of find_stick_edges(). `steepest_rad`: the largest slope of one surface between neighbouring
-/// sticks.
+/// sticks. `memory`: frames of before, which are written over: a volume takes 100 MB, and the heap
+/// of a stream would grow by pieces between them.
 std::vector<std::vector<float>> align_sticks(const hw::AcquisitionPlan& plan,
                                              const DenseFactors& factors,
                                              const std::vector<std::vector<float>>& frames,
                                              const MotorAngles& angles,
                                              const std::vector<double>& edges,
-                                             double steepest_rad);
+                                             double steepest_rad,
+                                             std::vector<std::vector<float>> memory = {});
 
 }  // namespace wobblebench::render

@@ -36,7 +36,8 @@ FrameStore::FrameStore(const hw::AcquisitionPlan& plan, const RenderOptions& opt
   if (options.reconstruction.sticks == Sticks::aligned) {
     aligned_ = empty_frames(dense_plan(plan, dense_factors(plan, options)).acquisition());
   }
-  const int slices = static_cast<int>(converted().size());
+  to_convert_ = converted().size();
+  const int slices = static_cast<int>(to_convert_);
   changed_.assign(static_cast<std::size_t>(std::max(slices - slices_per_layer_ + 1, 1)), false);
 }
 
@@ -90,9 +91,9 @@ void FrameStore::fill_lost_sticks(const std::vector<std::uint8_t>& arrived,
 }
 
 void FrameStore::put_aligned(std::vector<std::vector<float>> frames) {
-  if (frames.size() != converted().size()) {
+  if (frames.size() != to_convert_) {
     throw std::logic_error("FrameStore: " + std::to_string(frames.size()) + " aligned frames for " +
-                           std::to_string(converted().size()));
+                           std::to_string(to_convert_));
   }
   aligned_ = std::move(frames);
   changed_.assign(changed_.size(), true);

@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <utility>
 #include <vector>
 
 #include "hw/probe/polar_volume.h"
@@ -55,6 +56,8 @@ class FrameStore {
   void put(int index, const hw::PolarFrame& frame);
   /// All frames of dense_plan(), of the volume that has arrived.
   void put_aligned(std::vector<std::vector<float>> frames);
+  /// The memory of those frames, to make others in; put_aligned() has to follow.
+  std::vector<std::vector<float>> take_aligned() { return std::exchange(aligned_, {}); }
   /// From now on received() is converted, which Sticks::aligned does not allow.
   void drop_aligned();
 
@@ -92,6 +95,7 @@ class FrameStore {
   std::vector<std::vector<float>> received_;
   ReceivedAngles angles_;
   std::vector<std::vector<float>> aligned_;  ///< empty: received_ is converted
+  std::size_t to_convert_ = 0;               ///< number of frames that pass 1 converts
   std::vector<bool> arrived_;                ///< per frame
   std::vector<bool> changed_;                ///< per layer
 };

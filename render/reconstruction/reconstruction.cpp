@@ -15,8 +15,7 @@ bool needs_levels(const RenderOptions& options) {
 
 double detection_level(const EchoLevels& levels, const RayCastingOptions& options) {
   if (!levels.separate) return std::numeric_limits<double>::infinity();
-  const double rise =
-      options.iso_level.value_or(kIsoLevel) * (levels.tissue - levels.fluid);
+  const double rise = options.iso_level.value_or(kIsoLevel) * (levels.tissue - levels.fluid);
   return options.detector == Detector::floor ? rise : levels.fluid + rise;
 }
 
@@ -42,15 +41,10 @@ PreparedSticks prepare_sticks(const hw::AcquisitionPlan& plan,
                               const hw::BeamWidths* beam,
                               const RenderOptions& options) {
   PreparedSticks sticks;
-  sticks.edges = find_stick_edges(plan,
-                                  received,
-                                  spans,
-                                  levels,
-                                  options.ray_casting.edge,
-                                  options.reconstruction.edge_level);
+  sticks.edges = find_stick_edges(
+      plan, received, spans, levels, options.ray_casting.edge, options.reconstruction.edge_level);
   if (!has_stick_levels(options) || !levels.separate) return sticks;
-  const auto stick_levels =
-      find_stick_levels(plan, received, sticks.edges, levels, *beam, options);
+  const auto stick_levels = find_stick_levels(plan, received, sticks.edges, levels, *beam, options);
   const auto [lowest, highest] = std::ranges::minmax(stick_levels);
   sticks.range = {lowest, highest};
   sticks.levelled = level_sticks(plan, received, stick_levels, levels, levels.at(kIsoLevel));
@@ -68,7 +62,8 @@ PreparedSticks Reconstruction::prepare(const std::vector<std::vector<float>>& re
 std::vector<std::vector<float>> Reconstruction::frames(
     const std::vector<std::vector<float>>& received,
     const MotorAngles& angles,
-    const PreparedSticks& sticks) const {
+    const PreparedSticks& sticks,
+    std::vector<std::vector<float>> memory) const {
   const auto& samples = sticks.samples(received);
   if (!aligns()) return angles.as_planned() ? samples : place_frames(plan_, samples, angles);
   return align_sticks(plan_,
@@ -76,7 +71,8 @@ std::vector<std::vector<float>> Reconstruction::frames(
                       samples,
                       angles,
                       sticks.edges,
-                      options_.reconstruction.steepest_rad);
+                      options_.reconstruction.steepest_rad,
+                      std::move(memory));
 }
 
 }  // namespace wobblebench::render

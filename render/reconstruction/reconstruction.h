@@ -21,8 +21,8 @@ double detection_level(const EchoLevels& levels, const RayCastingOptions& option
 
 /// The sticks of a volume before those between them are made.
 struct PreparedSticks {
-  std::vector<double> edges;                ///< find_stick_edges()
-  std::vector<std::vector<float>> levelled; ///< level_sticks(); empty: the samples as they came
+  std::vector<double> edges;                 ///< find_stick_edges()
+  std::vector<std::vector<float>> levelled;  ///< level_sticks(); empty: the samples as they came
   std::pair<double, double> range;  ///< lowest and highest level of a stick, where `levelled`
 
   const std::vector<std::vector<float>>& samples(
@@ -58,10 +58,11 @@ class Reconstruction {
                          const MotorAngles& angles,
                          const EchoLevels& levels,
                          const hw::BeamWidths* beam) const;
-  /// All frames of dense_plan(), for FrameStore::put_aligned().
+  /// All frames of dense_plan(), for FrameStore::put_aligned(). `memory`: as align_sticks().
   std::vector<std::vector<float>> frames(const std::vector<std::vector<float>>& received,
                                          const MotorAngles& angles,
-                                         const PreparedSticks& sticks) const;
+                                         const PreparedSticks& sticks,
+                                         std::vector<std::vector<float>> memory) const;
 
  private:
   bool aligns() const { return options_.reconstruction.sticks == Sticks::aligned; }

@@ -157,8 +157,8 @@ std::vector<double> find_stick_levels(const hw::AcquisitionPlan& plan,
                                       const RenderOptions& options) {
   const EdgeProfiles profiles(plan, frames, edges, options.ray_casting.edge);
   const int lines = plan.acquisition().sticks_per_frame;
-  const double lowest = levels.at(
-      std::lerp(kLowestLevel, kLowestOfWhite, std::min(levels.white / kMuchWhite, 1.0)));
+  const double lowest =
+      levels.at(std::lerp(kLowestLevel, kLowestOfWhite, std::min(levels.white / kMuchWhite, 1.0)));
   StickGrid weights(static_cast<int>(frames.size()), lines);
   StickGrid weighted(weights.frames, lines);
   parallel_rows(weights.frames, [&](int f) {

@@ -15,9 +15,9 @@ namespace wobblebench::render {
 /// greatest mean over 1.5 mm from 0.5 to 3.5 mm behind the edge, averaged with the neighbours on
 /// the same surface, and at most the volume's; the level is at least kLowestLevel of the way from
 /// fluid to tissue, up to kLowestOfWhite where the gain is so high that tissue is white: its level
-/// is not known then, and haze beside it comes near it. Levels are smoothed over the neighbours, the higher ones counting more: a rim,
-/// which echoes weakly, takes that of the surface beside it. Sticks without an edge take their
-/// neighbours'; without any, the volume's iso_level.
+/// is not known then, and haze beside it comes near it. Levels are smoothed over the neighbours,
+/// the higher ones counting more: a rim, which echoes weakly, takes that of the surface beside it.
+/// Sticks without an edge take their neighbours'; without any, the volume's iso_level.
 ///
 /// `frames`: samples in [0, 1]; `edges`: find_stick_edges().
 std::vector<double> find_stick_levels(const hw::AcquisitionPlan& plan,

@@ -50,8 +50,10 @@ render::RenderOptions moved(render::RenderOptions options,
     casting.threshold += sign * casting.buffer_length * kFilterError;
   } else if (levels->separate) {  // else there is no surface at any level
     const double share = kFilterError / (levels->tissue - levels->fluid);
-    if (casting.iso_level) *casting.iso_level += sign * share;
-    else casting.below_tissue_db -= sign * kFilterError * options.reconstruction.display_range_db;
+    if (casting.iso_level)
+      *casting.iso_level += sign * share;
+    else
+      casting.below_tissue_db -= sign * kFilterError * options.reconstruction.display_range_db;
   }
   return options;
 }

@@ -36,10 +36,11 @@ std::vector<std::vector<float>> fan_frames(const std::function<double(int line)>
 }
 
 std::vector<double> stick_levels_of(const std::function<double(int line)>& tissue,
-                              const std::vector<double>& edges,
-                              const RenderOptions& options = {}) {
+                                    const std::vector<double>& edges,
+                                    const RenderOptions& options = {}) {
   const hw::AcquisitionPlan scan = fan();
-  return find_stick_levels(scan, fan_frames(tissue), edges, kTwoKinds, hw::BeamWidths(scan), options);
+  return find_stick_levels(
+      scan, fan_frames(tissue), edges, kTwoKinds, hw::BeamWidths(scan), options);
 }
 
 const std::vector<double> kEdges(std::size_t{kFanFrames} * kFanLines, kEdge_m);
@@ -51,7 +52,8 @@ double below_share(double db) {
 }
 
 TEST(StickLevels, LieBelowTheTissueBehindTheEdge) {
-  const auto levels = stick_levels_of([](int line) { return line < kFanLines / 2 ? 0.7 : 0.55; }, kEdges);
+  const auto levels =
+      stick_levels_of([](int line) { return line < kFanLines / 2 ? 0.7 : 0.55; }, kEdges);
   const std::size_t middle = std::size_t{kFanFrames / 2} * kFanLines;
   EXPECT_NEAR(levels[middle + 2], 0.7 - below_share(6), 2e-3);
   EXPECT_NEAR(levels[middle + kFanLines - 3], 0.55 - below_share(6), 2e-3);
@@ -92,7 +94,8 @@ TEST(StickLevels, WithoutAnEdgeAreTheNeighboursAndWithoutAnyTheVolumes) {
   std::vector<double> edges = kEdges;
   edges[std::size_t{5} * kFanLines + 9] = kNoEdge;
   const auto tissue = [](int) { return 0.6; };
-  EXPECT_NEAR(stick_levels_of(tissue, edges)[std::size_t{5} * kFanLines + 9], 0.6 - below_share(6), 2e-3);
+  EXPECT_NEAR(
+      stick_levels_of(tissue, edges)[std::size_t{5} * kFanLines + 9], 0.6 - below_share(6), 2e-3);
   std::fill(edges.begin(), edges.end(), kNoEdge);
   EXPECT_NEAR(stick_levels_of(tissue, edges).front(), 0.1 + 0.72 * 0.6, 1e-9);
 }
