@@ -38,7 +38,7 @@ Json json_of(const MeasuredValue& found) {
   return found.whole ? Json(static_cast<std::int64_t>(found.value)) : Json(found.value);
 }
 
-constexpr Unit kUnits[] = {{"_mm", "mm", 3},
+constexpr Unit kUnits[] = {{"_mm", "mm", 2},
                            {"_cm2", "cm²", 2},
                            {"_percent", "%", 2},
                            {"_deg", "°", 1},

@@ -51,6 +51,7 @@ struct MeasuredValue {
 ///
 /// @code
 /// #include "bench/evaluation/measures/depth_error.h"
+/// #include "bench/results/error.h"
 /// bench::Measurements found;
 /// describe(bench::depth_statistics({0.001, 0.002}), found);
 /// const double bias_mm = found.value(bench::error::kBias);  // 1.5

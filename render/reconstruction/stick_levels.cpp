@@ -142,9 +142,22 @@ StickGrid gaussian_sums(const StickGrid& of) {
   return result;
 }
 
-double below_tissue_db(const hw::BeamWidth& width, double db) {
+/// The greater distance to the next stick and to the next frame at a range.
+double spacing_m(const hw::AcquisitionPlan& plan, double range_m) {
+  const hw::ProbeGeometry geometry = plan.geometry();
+  return std::max((geometry.radius_m() + range_m) * plan.theta_step_rad(),
+                  (geometry.wobble_radius_m() + range_m) * plan.phi_step_rad());
+}
+
+double below_tissue_db(const hw::AcquisitionPlan& plan,
+                       const hw::BeamWidths& beam,
+                       double range_m,
+                       double db) {
+  const hw::BeamWidth width = beam.at(range_m);
   const double widest_m = std::max(width.lateral_m, width.elevation_m);
-  return std::clamp(db * kWidthOfLevel_m / widest_m, kLeastBelow_db, kMostBelow_db);
+  const double sparse = std::max(spacing_m(plan, range_m) / kSparse_m, 1.0);
+  return std::clamp(db * kWidthOfLevel_m / widest_m, kLeastBelow_db, kMostBelow_db) * sparse *
+         sparse;
 }
 
 }  // namespace
@@ -165,9 +178,10 @@ std::vector<double> find_stick_levels(const hw::AcquisitionPlan& plan,
     for (int l = 0; l < lines; ++l) {
       const double tissue = profiles.tissue(f, l);
       if (std::isnan(tissue)) continue;
-      const double below = below_tissue_db(beam.at(edges[weights.index(f, l)]),
-                                           options.ray_casting.below_tissue_db) /
-                           options.reconstruction.display_range_db;
+      const double below =
+          below_tissue_db(
+              plan, beam, edges[weights.index(f, l)], options.ray_casting.below_tissue_db) /
+          options.reconstruction.display_range_db;
       const double level = std::max(std::min(tissue, levels.tissue) - below, lowest);
       const double share = (level - levels.fluid) / (levels.tissue - levels.fluid);
       weights.at(f, l) = std::exp(kHigherWeighsMore * share);

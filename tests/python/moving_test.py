@@ -22,7 +22,7 @@ SETTINGS = {"phantom.name": "sphere", "phantom.radius_mm": RADIUS_MM, "phantom.v
     "acquisition.sticks_per_frame": LINES, "acquisition.samples_per_stick": 256, "simulation.speckle": False,
     "render.view.yaw_deg": 25, "render.view.pitch_deg": -15, "render.volume_of_interest.center_mm": [0, 0, 105],
     "render.volume_of_interest.size_mm": [90, 90, 90], "render.scan_conversion.slice_size": 128,
-    "render.ray_casting.image_size": 96, "render.ray_casting.steps": 128}
+    "render.ray_casting.image_size": 96, "render.ray_casting.steps": 128, "render.ray_casting.iso_level": 0.72}
 
 
 def run_program(*arguments, code=0):

@@ -20,8 +20,8 @@ SEED = int(os.environ.get("ROUND_TRIPS_SEED", 1))
 FORMATS = {"nrrd": (",content=polar,type=float", 0.02), "seq.nrrd": (",content=polar,type=float", 0.02),
            "mha": (",content=polar,type=float", 0.02), "hdf5": ("", 0.02), "vol": ("", 0.5)}
 # Without knowledge of the aperture, which no format but ours has, nothing is corrected.
-ALIKE = {"render.ray_casting.incidence_correction_mm": 0, "render.scan_conversion.slice_size": 96,
-         "render.ray_casting.image_size": 48, "render.ray_casting.steps": 96,
+ALIKE = {"render.ray_casting.incidence_correction_mm": 0, "render.ray_casting.iso_level": 0.72,
+         "render.scan_conversion.slice_size": 96, "render.ray_casting.image_size": 48, "render.ray_casting.steps": 96,
          "render.volume_of_interest.size_mm": [80, 80, 80]}
 
 

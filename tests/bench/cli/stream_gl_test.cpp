@@ -140,6 +140,8 @@ TEST_F(StreamCommand, PicturesInMidVolumeComeBetweenThoseOfWholeVolumes) {
                                   "--set",
                                   "render.reconstruction.sticks=plain",
                                   "--set",
+                                  "render.ray_casting.iso_level=0.72",
+                                  "--set",
                                   "acquisition.frames_per_volume=9",
                                   "--set",
                                   "acquisition.sticks_per_frame=256"},

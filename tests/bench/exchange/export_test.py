@@ -222,7 +222,7 @@ class Slices(InFolder):
         for motor in ("stepped", "alternating"):
             run("export", "sim", *BALL_SCENE, *settings(
                 f"acquisition.motor={motor}", "render.reconstruction.sticks=plain",
-                "render.scan_conversion.filter_size=1", "render.ray_casting.kernel_3d=1",
+                "render.scan_conversion.filter_size=1", "render.ray_casting.kernel_3d=1", "render.ray_casting.iso_level=0.72",
                 "render.scan_conversion.format=r32f", "render.scan_conversion.slice_size=200"), "--volumes", 2, "--to",
                 self.path(f"{motor}.npz") + ",content=polar", "--to", self.path(f"{motor}_slices.npz") + ",content=slices")
             scan, made = np.load(self.path(f"{motor}.npz")), np.load(self.path(f"{motor}_slices.npz"))

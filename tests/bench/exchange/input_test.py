@@ -280,7 +280,7 @@ class Resampled(Input):
         values = np.uint8(np.clip(110 - 60 * off, 20, 200))
         file = self.write("ball.mha", mha(values, "0.8 0.8 0.8"))
         run("export", self.board(file, layout="cartesian", dynamic_range_db=60.0), "--replace",
-            "--to", self.path("ball.ply"), "--to", self.path("ball.npz"), *settings("render.ray_casting.image_size=256", "render.ray_casting.incidence_correction_mm=0"))
+            "--to", self.path("ball.ply"), "--to", self.path("ball.npz"), *settings("render.ray_casting.image_size=256", "render.ray_casting.incidence_correction_mm=0", "render.ray_casting.iso_level=0.72"))
         scan = np.load(self.path("ball.npz"))
         depth = scan["found_depth_mm"]
         points = (scan["ray_origin_mm"] + depth[..., None] * scan["ray_direction"])[~np.isnan(depth)]

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <functional>
 
 #include "render/reconstruction/stick_edges.h"
@@ -11,7 +12,7 @@
 namespace wobblebench::render {
 namespace {
 
-constexpr int kFanFrames = 24, kFanLines = 48;
+constexpr int kFanFrames = 37, kFanLines = 48;
 const EchoLevels kTwoKinds{0.1, 0.7, true, 0};
 constexpr double kEdge_m = 0.09;
 
@@ -98,6 +99,20 @@ TEST(StickLevels, WithoutAnEdgeAreTheNeighboursAndWithoutAnyTheVolumes) {
       stick_levels_of(tissue, edges)[std::size_t{5} * kFanLines + 9], 0.6 - below_share(6), 2e-3);
   std::fill(edges.begin(), edges.end(), kNoEdge);
   EXPECT_NEAR(stick_levels_of(tissue, edges).front(), 0.1 + 0.72 * 0.6, 1e-9);
+}
+
+TEST(StickLevels, AreLowerWhereFramesLieFarApart) {
+  hw::AcquisitionOptions scan = fan().acquisition();
+  scan.frames_per_volume = 19;
+  auto samples = fan_frames([](int) { return 0.7; });
+  samples.resize(19);
+  const hw::AcquisitionPlan sparse({}, scan);
+  const std::vector<double> edges(std::size_t{19} * kFanLines, kEdge_m);
+  const auto levels =
+      find_stick_levels(sparse, samples, edges, kTwoKinds, hw::BeamWidths(sparse), RenderOptions());
+  // The motor's axis lies 27 mm behind the face.
+  const double apart_m = (27e-3 + kEdge_m) * 61 * kDegree / 18;
+  EXPECT_NEAR(levels.front(), 0.7 - below_share(6) * std::pow(apart_m / 4e-3, 2), 2e-3);
 }
 
 TEST(StickLevels, AreReadInFrontOfAFallingEdge) {

@@ -14,7 +14,7 @@ using Json = nlohmann::json;
 const Words kBall =
     set("phantom.name=sphere phantom.voxel_mm=2 acquisition.frames_per_volume=13 "
         "acquisition.sticks_per_frame=24 render.ray_casting.image_size=64 "
-        "render.scan_conversion.slice_size=64");
+        "render.scan_conversion.slice_size=64 render.ray_casting.iso_level=0.72");
 
 class Tolerance : public InFolder {
  protected:
