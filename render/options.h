@@ -169,7 +169,8 @@ struct RayCastingOptions {
   /// level, below_tissue_db below the tissue behind its edge, and its samples are scaled to it
   /// (render/reconstruction/stick_levels.h); the alpha-blended picture is of the scaled samples.
   std::optional<double> iso_level = kIsoLevel;
-  /// iso_level auto: decibels where the beam is 2.4 mm wide; fewer in a wider one.
+  /// iso_level auto: decibels where the beam is 2.4 mm wide; fewer in a wider one, and more where
+  /// sticks lie over 4 mm apart.
   double below_tissue_db = 6;
   /// The found surface is moved away from the viewer by this length times the tangent of its
   /// incidence to the beam: a beam sees tissue beside its axis before the surface on it. 0: not;
