@@ -78,7 +78,7 @@ TEST(Measurements, StandInReportsAndTablesAsTheyAreDeclared) {
   found.add(kPixels, 12);
   EXPECT_EQ(to_json(found), Json::parse(R"({"distance_mm": {"back": {"p95": 1.25, "n": 12}}})"));
   const Table table{.columns = columns_of({}, kShown), .rows = {cells_of({}, found, kShown)}};
-  EXPECT_EQ(markdown(table), "| P95, mm | pixels |\n| ---: | ---: |\n| 1.250 | 12 |\n");
+  EXPECT_EQ(markdown(table), "| P95, mm | pixels |\n| ---: | ---: |\n| 1.25 | 12 |\n");
 }
 
 TEST(Table, ColumnsAreChosenByTheirKeys) {
