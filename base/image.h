@@ -1,6 +1,7 @@
 // A picture in memory, of any pixel type.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <limits>
 #include <vector>
@@ -34,6 +35,15 @@ struct Image {
   }
   const Pixel& at(int column, int row) const { return const_cast<Image*>(this)->at(column, row); }
 };
+
+/// The same picture with pixels of another type.
+template <class Pixel, class From>
+Image<Pixel> converted(const Image<From>& image) {
+  Image<Pixel> result(image.width, image.height);
+  std::ranges::transform(
+      image.pixels, result.pixels.begin(), [](const From& pixel) { return Pixel(pixel); });
+  return result;
+}
 
 /// Depth of a pixel without a surface: NaN.
 inline constexpr float kNoSurface = std::numeric_limits<float>::quiet_NaN();

@@ -180,6 +180,9 @@ struct RayCastingOptions {
   /// iso: a ray that enters the box or the cone beyond the level has its surface there, a cap as
   /// that of a clipped iso-surface. Else it has one only where it leaves tissue and enters again.
   bool caps = false;
+  /// The border of the surface is smoothed by a Gaussian of this standard deviation where the
+  /// surface is steep to its sticks (render/passes/outline.h); 0: not.
+  double outline_m = 0;
   /// Pieces of the surface of a smaller area across the view are left out
   /// (render/passes/pieces.h); 0: none.
   double smallest_piece_m2 = 0;
@@ -232,6 +235,7 @@ void describe(O& o, Visitor& v) {
   v.real("below_tissue_db", o.below_tissue_db, 1, 0.5, 40);
   v.real_or_auto("incidence_correction_mm", o.incidence_correction_m, kMillimetre, 0, 10);
   v.flag("caps", o.caps);
+  v.real("outline_mm", o.outline_m, kMillimetre, 0, 10);
   v.real("smallest_piece_mm2", o.smallest_piece_m2, kMillimetre * kMillimetre, 0, 10000);
   v.integer("buffer_length", o.buffer_length, 2, kLongestBuffer);
   v.real("buffer_length_mm", o.buffer_length_m, kMillimetre, 0, 1000);

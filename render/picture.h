@@ -1,6 +1,7 @@
 // Pictures, z-buffer and pass times: the output of the renderer.
 #pragma once
 
+#include <cstdint>
 #include <glm/vec3.hpp>
 #include <optional>
 #include <string>
@@ -49,6 +50,9 @@ struct Picture {
   /// z of pass 2, or its replacement: ray length from the view plane (parallel) or the eye
   /// (perspective); kNoSurface.
   Image<float> depth_m;
+  /// 1: z was not found there but continues the surface (RayCastingOptions::outline_m). Empty: all
+  /// of z was found, or replaced.
+  Image<std::uint8_t> drawn;
   Image<float> filtered_depth_m;  ///< z after pass 3's homogeneous filter
   /// scan_conversion, ray_casting, surface_shading, smoothing; behind ray_casting `correction`,
   /// where a tap (RenderTaps::depth) has replaced z. Without ray_casting where rays were kept

@@ -14,6 +14,7 @@ RenderOptions render_preset(RenderPreset preset) {
   options.ray_casting.iso_level = std::nullopt;
   options.ray_casting.caps = true;
   options.ray_casting.incidence_correction_m = std::nullopt;
+  options.ray_casting.outline_m = 3.5e-3;
   options.ray_casting.smallest_piece_m2 = 10 * kMillimetre * kMillimetre;
   return options;
 }

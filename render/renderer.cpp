@@ -14,7 +14,7 @@
 #include "render/gl/objects.h"
 #include "render/gl/program.h"
 #include "render/gl/timer.h"
-#include "render/passes/pieces.h"
+#include "render/passes/outline.h"
 #include "render/passes/ray_caster.h"
 #include "render/passes/slice_volume.h"
 #include "render/passes/smoother.h"
@@ -154,19 +154,22 @@ struct Renderer::Pipeline {
     has_cast = false;
     ray_caster.cast(complete ? *complete : *incoming);
     depth = &incidence.correct(ray_caster.depth());
-    drop_pieces();
+    finish_outline();
     has_cast = !taps.depth;
   }
 
-  /// On the CPU, which follows a piece wherever it goes; a shader would need a pass for each pixel
-  /// of its longest way.
-  void drop_pieces() {
-    if (options.ray_casting.smallest_piece_m2 == 0) return;
-    if (options.ray_casting.mode == RenderMode::volume) return;
-    Image<float> kept_m = download_depth(*depth);
-    drop_small_pieces(kept_m, options);
-    upload_depth(std::move(kept_m), large_pieces);
-    depth = &large_pieces;
+  /// On the CPU, which follows an outline or a piece wherever it goes; a shader would need a pass
+  /// for each pixel of its longest way.
+  void finish_outline() {
+    drawn = {};
+    const RayCastingOptions& casting = options.ray_casting;
+    if (casting.mode == RenderMode::volume) return;
+    if (casting.outline_m == 0 && casting.smallest_piece_m2 == 0) return;
+    const auto found_m = converted<double>(download_depth(*depth));
+    const auto finished_m = finished_surface(found_m, plan.geometry(), options);
+    if (casting.outline_m > 0) drawn = drawn_beyond(found_m, finished_m);
+    upload_depth(converted<float>(finished_m), finished_depth);
+    depth = &finished_depth;
   }
 
   void tap_slices() const {
@@ -215,6 +218,7 @@ struct Renderer::Pipeline {
     picture.surface = download_rgb(smoother.smoothed());
     picture.volume = download_rgb(ray_caster.color());
     picture.depth_m = download_depth(*depth);
+    if (depth != &replaced_depth) picture.drawn = drawn;
     picture.filtered_depth_m = download_depth(surface_shader.filtered_depth());
     picture.levels = complete ? complete_levels : incoming_levels;
     check_gl("reading the picture");
@@ -305,7 +309,8 @@ struct Renderer::Pipeline {
   std::optional<hw::BeamWidths> beam;  ///< once a correction or a level has needed it
   IncidenceCorrection incidence;
   const Texture* depth = nullptr;  ///< z that pass 3 reads
-  Texture large_pieces;            ///< z without small pieces; empty before any are left out
+  Texture finished_depth;          ///< of finish_outline(); empty before it has changed any
+  Image<std::uint8_t> drawn;       ///< Picture::drawn
   Texture replaced_depth;          ///< of a tap; empty before it replaces any
   SurfaceShader surface_shader;
   Smoother smoother;

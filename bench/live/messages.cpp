@@ -198,7 +198,7 @@ LiveMessage maps_message(const LivePicture& shown, LiveTruth& true_surfaces) {
       std::move(header),
       {code.codes(found_m),
        code.codes(truth.depth_m),
-       class_bytes(pixel_classes(found_m, truth)),
+       class_bytes(pixel_classes(shown.picture, truth)),
        can_shade ? jpeg(shade_truth(truth, scene.render(), shown.picture.volume), Values::light)
                  : std::string()});
 }

@@ -180,6 +180,10 @@ void add_picture(py::module_& module) {
       .def_property_readonly("filtered_depth_m",
                              image(&render::Picture::filtered_depth_m),
                              "float32 [row, column]: likewise, as it is shaded. A view.")
+      .def_property_readonly("drawn",
+                             image(&render::Picture::drawn),
+                             "uint8 [row, column]: 1 where the surface was not found but continued "
+                             "(`render.ray_casting.outline_mm`); empty: all was found. A view.")
       .def_property_readonly("surface",
                              image(&render::Picture::surface),
                              "float32 [row, column, 3]: shaded, linear RGB in [0, 1]. A view.")

@@ -55,6 +55,13 @@ inline constexpr Measure kGrazingMissed{"grazing_missed_percent",
 inline constexpr Measure kGrazingP95{
     "grazing_p95_mm", "P95 where grazing", "P95 of the pixels that sticks graze"};
 
+inline constexpr Measure kDrawn{
+    "drawn_percent", "drawn beyond", "Of the picture: the surface was not found, but continued"};
+inline constexpr Measure kDrawnFalse{
+    "drawn_false_percent", "false, drawn beyond", "Of the picture: continued where there is none"};
+inline constexpr Measure kDrawnP95{
+    "drawn_p95_mm", "P95, drawn beyond", "P95 of the pixels that were not found, but continued"};
+
 inline constexpr Measure kNormalMean{
     "normal_mean_deg", "normals, mean", "Mean angle to the true normal, as shaded"};
 inline constexpr Measure kNormalMedian{

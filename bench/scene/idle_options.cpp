@@ -237,6 +237,7 @@ const std::vector<Rule>& rules_of_rays() {
        }},
       {{"render.ray_casting.detector",
         "render.ray_casting.incidence_correction_mm",
+        "render.ray_casting.outline_mm",
         "render.ray_casting.refine_crossing",
         "render.ray_casting.smallest_piece_mm2",
         "render.ray_casting.window_2d"},

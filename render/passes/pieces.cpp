@@ -12,8 +12,7 @@ namespace wobblebench::render {
 namespace {
 
 /// The pixels of one piece, from one of its pixels on; marks them as seen.
-template <class T>
-std::vector<std::pair<int, int>> piece_from(const Image<T>& depth_m,
+std::vector<std::pair<int, int>> piece_from(const Image<double>& depth_m,
                                             std::pair<int, int> first,
                                             double step_m,
                                             Image<char>& seen) {
@@ -21,12 +20,12 @@ std::vector<std::pair<int, int>> piece_from(const Image<T>& depth_m,
   seen.at(first.first, first.second) = 1;
   for (std::size_t next = 0; next < piece.size(); ++next) {
     const auto [column, row] = piece[next];
-    const auto z = static_cast<double>(depth_m.at(column, row));
+    const double z = depth_m.at(column, row);
     constexpr std::pair<int, int> kNeighbours[] = {{-1, 0}, {1, 0}, {0, -1}, {0, 1}};
     for (const auto& [right, down] : kNeighbours) {
       const int c = column + right, r = row + down;
       if (c < 0 || r < 0 || c >= depth_m.width || r >= depth_m.height || seen.at(c, r)) continue;
-      if (!(std::abs(static_cast<double>(depth_m.at(c, r)) - z) <= step_m)) continue;
+      if (!(std::abs(depth_m.at(c, r) - z) <= step_m)) continue;
       seen.at(c, r) = 1;
       piece.emplace_back(c, r);
     }
@@ -34,8 +33,9 @@ std::vector<std::pair<int, int>> piece_from(const Image<T>& depth_m,
   return piece;
 }
 
-template <class T>
-void drop_pieces(Image<T>& depth_m, const RenderOptions& options) {
+}  // namespace
+
+void drop_small_pieces(Image<double>& depth_m, const RenderOptions& options) {
   if (options.ray_casting.smallest_piece_m2 == 0) return;
   const double pixel_m = make_camera(options).pixel_m();
   const double step_m = std::max(kPieceStep_m, 4 * pixel_m);
@@ -46,19 +46,9 @@ void drop_pieces(Image<T>& depth_m, const RenderOptions& options) {
       if (seen.at(column, row) || !std::isfinite(depth_m.at(column, row))) continue;
       const auto piece = piece_from(depth_m, {column, row}, step_m, seen);
       if (static_cast<double>(piece.size()) >= least_pixels) continue;
-      for (const auto& [c, r] : piece) depth_m.at(c, r) = static_cast<T>(kNoSurface);
+      for (const auto& [c, r] : piece) depth_m.at(c, r) = kNoSurface;
     }
   }
-}
-
-}  // namespace
-
-void drop_small_pieces(Image<float>& depth_m, const RenderOptions& options) {
-  drop_pieces(depth_m, options);
-}
-
-void drop_small_pieces(Image<double>& depth_m, const RenderOptions& options) {
-  drop_pieces(depth_m, options);
 }
 
 }  // namespace wobblebench::render

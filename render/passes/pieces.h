@@ -13,8 +13,6 @@ inline constexpr double kPieceStep_m = 5e-3;
 /// Leaves out (kNoSurface) the pieces of z, metres, that cover less than
 /// RayCastingOptions::smallest_piece_m2 of the plane through the centre of the volume of interest.
 /// Pixels are neighbours in four directions.
-void drop_small_pieces(Image<float>& depth_m, const RenderOptions& options);
-/// The same in double precision.
 void drop_small_pieces(Image<double>& depth_m, const RenderOptions& options);
 
 }  // namespace wobblebench::render

@@ -3,21 +3,12 @@
 #include <algorithm>
 #include <string>
 
-#include "render/passes/pieces.h"
+#include "render/passes/outline.h"
 #include "render/reconstruction/frame_store.h"
 #include "render/reference/reference_passes.h"
 
 namespace wobblebench::render {
 namespace {
-
-template <class Pixel, class From>
-Image<Pixel> converted(const Image<From>& image) {
-  Image<Pixel> result(image.width, image.height);
-  std::transform(image.pixels.begin(), image.pixels.end(), result.pixels.begin(), [](From pixel) {
-    return Pixel(pixel);
-  });
-  return result;
-}
 
 template <class Pixel>
 void check_size(const std::string& what, const Image<Pixel>& image, const RenderOptions& options) {
@@ -50,8 +41,9 @@ Picture render_reference(const hw::PolarVolume& volume, const RenderOptions& opt
   const reference::Cast cast = reference::cast_rays(slices, options);
   Picture picture;
   picture.volume = converted<glm::vec3>(cast.volume);
-  auto depth_m = reference::correct_incidence(cast.depth_m, volume.plan(), options);
-  drop_small_pieces(depth_m, options);
+  const auto found_m = reference::correct_incidence(cast.depth_m, volume.plan(), options);
+  const auto depth_m = finished_surface(found_m, volume.plan().geometry(), options);
+  if (options.ray_casting.outline_m > 0) picture.drawn = drawn_beyond(found_m, depth_m);
   shade_and_smooth(depth_m, cast.volume, options, picture);
   return picture;
 }

@@ -70,6 +70,7 @@ class AgainstProgram(unittest.TestCase):
         file = exr_channels(self.out / "depth.exr")
         self.assert_same_mm(self.picture.depth_m, file["Z"])
         self.assert_same_mm(self.picture.filtered_depth_m, file["Z_filtered"])
+        numpy.testing.assert_array_equal(self.picture.drawn, file["drawn"])
 
     def test_truth_is_that_of_run(self):
         file = exr_channels(self.out / "truth_depth.exr")

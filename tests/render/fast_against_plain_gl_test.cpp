@@ -62,6 +62,7 @@ RenderOptions random_options(std::mt19937& random) {
   options.scan_conversion.slice_size = integer(24, 90);
   options.scan_conversion.filter_size = 1 + 2 * integer(0, 2);
   o.caps = integer(0, 1) > 0;
+  o.outline_m = integer(0, 1) * 4e-3;
   return options;
 }
 

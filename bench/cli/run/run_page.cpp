@@ -90,7 +90,7 @@ MapView map_of(const PictureResult& result, const ResolvedScene& scene) {
     for (const PixelClassName& name : pixel_class_names()) {
       map.classes.push_back({static_cast<int>(name.of), name.name, html_colour(name.rgb)});
     }
-    map.class_codes = class_codes(thinned(pixel_classes(found_m, comparison->truth), every));
+    map.class_codes = class_codes(thinned(pixel_classes(result.picture, comparison->truth), every));
   }
   map.layers.push_back(length_layer("found depth", thinned(found_m, every)));
   if (const auto& comparison = result.comparison) {

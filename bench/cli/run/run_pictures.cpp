@@ -54,7 +54,7 @@ Panel run_error_panel(const PictureResult& result, const ResolvedScene& scene) {
   const auto why = why_no_error_picture(result, scene);
   if (!why.empty()) return {"signed error", {}, why};
   return error_panel(result.comparison->error.raw.map_m,
-                     pixel_classes(result.picture.depth_m, result.comparison->truth),
+                     pixel_classes(result.picture, result.comparison->truth),
                      kErrorLimit_mm,
                      scene.view().camera.pixel_m() / kMillimetre);
 }
@@ -117,12 +117,19 @@ struct Job {
   std::function<std::vector<char>()> encode;
 };
 
+/// Where z was not found but continues the surface, as a channel; none: all was found.
+void add_drawn(const Image<float>& drawn, std::vector<NamedMap>& channels) {
+  if (!drawn.pixels.empty()) channels.push_back({"drawn", &drawn, 1});
+}
+
 void add_maps(const PictureResult& result, const render::Camera& camera, std::vector<Job>& jobs) {
   const render::Picture& picture = result.picture;
   jobs.push_back({"depth.exr", [&] {
-                    return exr_mm(
-                        {{"Z", &picture.depth_m}, {"Z_filtered", &picture.filtered_depth_m}},
-                        camera);
+                    std::vector<NamedMap> channels = {{"Z", &picture.depth_m},
+                                                      {"Z_filtered", &picture.filtered_depth_m}};
+                    const auto drawn = converted<float>(picture.drawn);
+                    add_drawn(drawn, channels);
+                    return exr_mm(channels, camera);
                   }});
   if (!result.comparison) return;
   const Comparison& comparison = *result.comparison;
@@ -147,13 +154,15 @@ void add_labels(const PictureResult& result, const render::Camera& camera, std::
   if (!result.comparison || !result.comparison->labels) return;
   const Truth& truth = result.comparison->truth;
   const Labels& labels = *result.comparison->labels;
-  jobs.push_back(
-      {"labels.exr", [&] {
-         const LabelMaps maps = label_maps(truth, labels);
-         return exr_mm(
-             {{"part", &maps.part, 1}, {"before", &maps.before, 1}, {"visible", &maps.visible, 1}},
-             camera);
-       }});
+  jobs.push_back({"labels.exr", [&] {
+                    const LabelMaps maps = label_maps(truth, labels);
+                    std::vector<NamedMap> channels = {{"part", &maps.part, 1},
+                                                      {"before", &maps.before, 1},
+                                                      {"visible", &maps.visible, 1}};
+                    const auto drawn = converted<float>(result.picture.drawn);
+                    add_drawn(drawn, channels);
+                    return exr_mm(channels, camera);
+                  }});
   jobs.push_back({"labels.png", [&] {
                     return png(draw_panels(label_panels(truth, labels, camera),
                                            panel_side(camera.image_size)));

@@ -125,6 +125,14 @@ RegionError region_of(const PictureMeasures& measures,
   return found == measures.regions.end() ? RegionError{.depth = depth_statistics({})} : *found;
 }
 
+/// The pixels whose z was not found.
+RegionGroup drawn_pixels(const Image<std::uint8_t>& drawn) {
+  RegionGroup group{"outline", {"drawn"}, {drawn.width, drawn.height}};
+  std::ranges::transform(
+      drawn.pixels, group.index.pixels.begin(), [](int is) { return is == 1 ? 0 : 1; });
+  return group;
+}
+
 void describe_regions(const PictureMeasures& measures,
                       const ExpectedSurface& expected,
                       Measurements& to) {
@@ -135,6 +143,10 @@ void describe_regions(const PictureMeasures& measures,
   const bool formed = expected.sought && grazing.surface > 0;
   to.add(error::kGrazingMissed, formed ? grazing.missed_pixels_percent() : kUnset);
   to.add(error::kGrazingP95, grazing.depth.p95_m / kMillimetre);
+  const RegionError drawn = region_of(measures, "outline", "drawn");
+  to.add(error::kDrawn, 100.0 * measures.drawn / measures.raw.pixels);
+  to.add(error::kDrawnFalse, 100.0 * drawn.false_surface / measures.raw.pixels);
+  to.add(error::kDrawnP95, drawn.depth.p95_m / kMillimetre);
 }
 
 }  // namespace
@@ -172,8 +184,11 @@ PictureMeasures measure_picture(const render::Picture& picture,
   const Truth& truth = view.truth;
   measures.raw = measure_depth_error(picture.depth_m, truth, view.camera);
   measures.filtered = measure_depth_error(picture.filtered_depth_m, truth, view.camera);
-  measures.regions = measure_regions(
-      view.regions, truth, view.camera, picture.depth_m, measures.raw, measures.filtered);
+  std::vector<RegionGroup> groups = view.regions;
+  if (!picture.drawn.pixels.empty()) groups.push_back(drawn_pixels(picture.drawn));
+  measures.drawn = static_cast<int>(std::ranges::count(picture.drawn.pixels, 1));
+  measures.regions =
+      measure_regions(groups, truth, view.camera, picture.depth_m, measures.raw, measures.filtered);
   measures.shaded = {kUnset, kUnset};
   if (choice.shaded) {
     const Image<glm::vec3> made =
@@ -204,7 +219,8 @@ void describe(const RegionError& region,
               const PictureMeasures& of,
               const ExpectedSurface& expected,
               Measurements& to) {
-  const bool has_false = region.group == "silhouette" && counts_false(of.raw, expected);
+  const bool has_false =
+      (region.group == "silhouette" || region.group == "outline") && counts_false(of.raw, expected);
   describe_part(region, of.raw.pixels, has_false, expected, to);
   describe_normals(region.raw_normal, region.normal, to);
 }

@@ -25,7 +25,7 @@ Image<std::uint8_t> silhouette_band(const Truth& truth,
 
 /// A division of the picture's pixels.
 struct RegionGroup {
-  std::string name;                  ///< "silhouette", "incidence", "range", "part", "unseen"
+  std::string name;                  ///< "silhouette", "incidence", "range", "part", "unseen", "outline"
   std::vector<std::string> regions;  ///< names
   Image<std::uint8_t> index;         ///< into `regions`; their number or more: in none
 };
@@ -43,7 +43,7 @@ struct RegionError {
   std::string name;
   int surface = 0;  ///< pixels with a true surface; of the group `unseen`: that cannot be seen
   int missed = 0;
-  int false_surface = 0;  ///< in the group `silhouette` alone: elsewhere there is no true surface
+  int false_surface = 0;  ///< in `silhouette` and `outline` alone: elsewhere there is no true one
   double surface_m2 = 0;
   double missed_m2 = 0;
   DepthStatistics depth;

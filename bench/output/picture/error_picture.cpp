@@ -37,19 +37,23 @@ const PixelClassName* name_of(PixelClass of) {
 }  // namespace
 
 std::span<const PixelClassName> pixel_class_names() {
-  static constexpr std::array<PixelClassName, 5> names = {
+  static constexpr std::array<PixelClassName, 6> names = {
       {{PixelClass::missed, "missed", 0xf0d000},
        {PixelClass::false_surface, "false", 0x00b37d},
        {PixelClass::grazing, "grazing", 0x8f8f8f},
        {PixelClass::shadowed, "shadowed", 0xa45bb5},
-       {PixelClass::outside_field, "outside the field", 0x6b5a2e}}};
+       {PixelClass::outside_field, "outside the field", 0x6b5a2e},
+       {PixelClass::drawn, "drawn beyond", 0xe07ab8}}};
   return names;
 }
 
-Image<PixelClass> pixel_classes(const Image<float>& depth_m, const Truth& truth) {
+Image<PixelClass> pixel_classes(const render::Picture& picture, const Truth& truth) {
+  const Image<float>& depth_m = picture.depth_m;
   Image<PixelClass> classes(depth_m.width, depth_m.height);
   for (std::size_t i = 0; i < classes.pixels.size(); ++i) {
-    classes.pixels[i] = class_of(!std::isnan(depth_m.pixels[i]), truth.kind.pixels[i]);
+    const bool drawn = !picture.drawn.pixels.empty() && picture.drawn.pixels[i] == 1;
+    classes.pixels[i] =
+        drawn ? PixelClass::drawn : class_of(!std::isnan(depth_m.pixels[i]), truth.kind.pixels[i]);
   }
   return classes;
 }

@@ -7,6 +7,7 @@
 
 #include "bench/evaluation/truth/truth.h"
 #include "bench/output/picture/panels.h"
+#include "render/picture.h"
 
 namespace wobblebench::bench {
 
@@ -18,6 +19,7 @@ enum class PixelClass : std::uint8_t {
   grazing,        ///< as TruthKind, whether a surface was found or not
   shadowed,
   outside_field,
+  drawn,  ///< z was not found but continues the surface (render::Picture::drawn), right or wrong
 };
 
 struct PixelClassName {
@@ -28,8 +30,7 @@ struct PixelClassName {
 /// All but `none`.
 std::span<const PixelClassName> pixel_class_names();
 
-/// The class of each pixel of a found depth.
-Image<PixelClass> pixel_classes(const Image<float>& depth_m, const Truth& truth);
+Image<PixelClass> pixel_classes(const render::Picture& picture, const Truth& truth);
 
 /// ± this is the whole colour bar of error.png and its like.
 inline constexpr double kErrorLimit_mm = 3;

@@ -149,6 +149,7 @@ SceneKey = Literal[
     "render.ray_casting.below_tissue_db",
     "render.ray_casting.incidence_correction_mm",
     "render.ray_casting.caps",
+    "render.ray_casting.outline_mm",
     "render.ray_casting.smallest_piece_mm2",
     "render.ray_casting.buffer_length",
     "render.ray_casting.buffer_length_mm",
@@ -380,6 +381,10 @@ class Picture:
     @property
     def filtered_depth_m(self) -> numpy.ndarray:
         """float32 [row, column]: likewise, as it is shaded. A view."""
+
+    @property
+    def drawn(self) -> numpy.ndarray:
+        """uint8 [row, column]: 1 where the surface was not found but continued (`render.ray_casting.outline_mm`); empty: all was found. A view."""
 
     @property
     def surface(self) -> numpy.ndarray:

@@ -7,7 +7,7 @@
 #include <limits>
 
 #include "bench/studies/extremes/pass_bounds.h"
-#include "render/passes/pieces.h"
+#include "render/passes/outline.h"
 #include "render/passes/surface_depth.h"
 
 namespace wobblebench::bench {
@@ -19,12 +19,9 @@ using render::reference::SliceStack;
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-template <class Double, class Float>
-Image<Double> in_double(const Image<Float>& image) {
-  Image<Double> converted(image.width, image.height);
-  std::copy(image.pixels.begin(), image.pixels.end(), converted.pixels.begin());
-  return converted;
-}
+/// A z that continues its neighbours' is as wrong as they are, times at most this: the sum of the
+/// magnitudes of a quadratic fit's weights outside the pixels that it was made of.
+constexpr double kContinued = 100;
 
 /// No surface lies behind all surfaces.
 double behind_all(double z_m) {
@@ -175,9 +172,9 @@ PassError incidence_error(const render::CastDepth& depth,
                           const hw::AcquisitionPlan& plan,
                           const RenderOptions& options,
                           const PassBounds& bounds) {
-  const auto cast_m = in_double<double>(depth.cast_m);
-  auto expected_m = render::reference::correct_incidence(cast_m, plan, options);
-  render::drop_small_pieces(expected_m, options);
+  const auto cast_m = converted<double>(depth.cast_m);
+  const auto found_m = render::reference::correct_incidence(cast_m, plan, options);
+  const auto expected_m = render::finished_surface(found_m, plan.geometry(), options);
   const hw::BeamWidths beam(plan);
   double longest_m = 0;
   for (const hw::BeamWidth& width : beam.rows()) {
@@ -190,6 +187,8 @@ PassError incidence_error(const render::CastDepth& depth,
     const double z_m = expected_m.at(column, row);
     const SurfaceBounds surface(
         filtered_m, options, bounds.position_m + window_bound(window) * z_m);
+    if (std::isnan(found_m.at(column, row)))
+      return kContinued * longest_m * render::kMaxTangent / z_m;
     // Below its greatest value a tangent has a slope of at most 10.
     const double turn = std::min(10 * surface.normal(column, row), render::kMaxTangent);
     return longest_m * turn / z_m + 4 * kUnitRoundoff;
@@ -214,8 +213,8 @@ std::vector<RenderOptions> moved_lights(const RenderOptions& options, double pos
 PassError shading_error(const PassPictures& pictures,
                         const RenderOptions& options,
                         double position_m) {
-  const auto depth_m = in_double<double>(pictures.picture.filtered_depth_m);
-  const auto volume = in_double<glm::dvec3>(pictures.picture.volume);
+  const auto depth_m = converted<double>(pictures.picture.filtered_depth_m);
+  const auto volume = converted<glm::dvec3>(pictures.picture.volume);
   const auto expected = render::reference::shade(depth_m, volume, options);
   Span<glm::dvec3> spans(expected);
   if (options.shading.shadows) {
@@ -256,10 +255,10 @@ std::vector<PassError> pass_errors(const PassPictures& pictures,
   const PassBounds bounds = pass_bounds(meant.plan(), slices, options);
   const CastSpans spans = cast_spans(slices, options, bounds);
   const Image<double> blended = blend_bounds(slices, options, bounds);
-  const auto filtered_m = render::reference::filter_depth(in_double<double>(pictures.depth.depth_m),
+  const auto filtered_m = render::reference::filter_depth(converted<double>(pictures.depth.depth_m),
                                                           options.shading.depth_filter_size);
   const auto smoothed =
-      render::reference::smooth(in_double<glm::dvec3>(pictures.shaded), options.smoothing);
+      render::reference::smooth(converted<glm::dvec3>(pictures.shaded), options.smoothing);
   const auto same = [](double bound) { return [bound](int, int) { return bound; }; };
   return {
       slice_error(pictures.slices, slices, bounds.slices),

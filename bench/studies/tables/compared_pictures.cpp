@@ -23,11 +23,11 @@ constexpr std::size_t kLayers = 6;
 constexpr float kArithmetic_m = 10e-6F;
 constexpr std::array kSettings = {"paper", "default"};
 
-/// z of pass 2, before small pieces of it are left out.
+/// z of pass 2, before its outline is smoothed and small pieces are left out.
 Image<float> cast(const hw::PolarVolume& volume,
                   render::RenderOptions options,
                   render::GlContext& context) {
-  options.ray_casting.smallest_piece_m2 = 0;
+  options.ray_casting.outline_m = options.ray_casting.smallest_piece_m2 = 0;
   Image<float> cast_m;
   render::Renderer renderer(context, volume.plan(), options);
   render::RenderTaps taps;

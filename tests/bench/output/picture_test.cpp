@@ -32,30 +32,33 @@ TEST(ErrorPicture, IsBlueInFrontWhiteWhereTrueAndRedBehind) {
   EXPECT_TRUE(panel.names.empty());
 }
 
-/// Found or not, against each kind of truth.
+/// Found, not found or drawn beyond what was found, against each kind of truth.
 TEST(ErrorPicture, ClassesHaveColoursOfTheirOwn) {
   const TruthKind kinds[] = {TruthKind::none,
                              TruthKind::surface,
                              TruthKind::outside_field,
                              TruthKind::grazing,
                              TruthKind::shadowed};
-  Image<float> depth_m(5, 2, kNoSurface), error_m(5, 2, kNoSurface);
-  Truth truth{{5, 2, 0.1f}, {5, 2}, {5, 2}};
+  Image<float> error_m(5, 3, kNoSurface);
+  render::Picture found{.depth_m = {5, 3, kNoSurface}, .drawn = {5, 3}};
+  Truth truth{{5, 3, 0.1f}, {5, 3}, {5, 3}};
   for (int column = 0; column < 5; ++column) {
-    depth_m.at(column, 1) = 0.1f;
-    for (int row = 0; row < 2; ++row) truth.kind.at(column, row) = kinds[column];
+    found.depth_m.at(column, 1) = found.depth_m.at(column, 2) = 0.1f;
+    found.drawn.at(column, 2) = 1;
+    for (int row = 0; row < 3; ++row) truth.kind.at(column, row) = kinds[column];
   }
-  error_m.at(1, 1) = 0;
-  const auto classes = pixel_classes(depth_m, truth);
+  error_m.at(1, 1) = error_m.at(1, 2) = 0;
+  const auto classes = pixel_classes(found, truth);
   const Panel panel = error_panel(error_m, classes);
-  const std::uint32_t expected[2][5] = {{0x2b2b2b, 0xf0d000, 0x6b5a2e, 0x8f8f8f, 0xa45bb5},
-                                        {0x00b37d, 0xf7f7f7, 0x6b5a2e, 0x8f8f8f, 0xa45bb5}};
-  for (int row = 0; row < 2; ++row) {
+  const std::uint32_t expected[3][5] = {{0x2b2b2b, 0xf0d000, 0x6b5a2e, 0x8f8f8f, 0xa45bb5},
+                                        {0x00b37d, 0xf7f7f7, 0x6b5a2e, 0x8f8f8f, 0xa45bb5},
+                                        {0xe07ab8, 0xe07ab8, 0xe07ab8, 0xe07ab8, 0xe07ab8}};
+  for (int row = 0; row < 3; ++row) {
     for (int column = 0; column < 5; ++column) {
       EXPECT_EQ(rgb(panel.picture.at(column, row)), expected[row][column]) << column << " " << row;
     }
   }
-  EXPECT_EQ(panel.names.size(), 5u);
+  EXPECT_EQ(panel.names.size(), 6u);
 }
 
 TEST(Panels, TicksAreAtRoundNumbers) {

@@ -21,25 +21,25 @@ RenderOptions options_of(double least_mm2) {
   return options;
 }
 
-void fill(Image<float>& depth_m, int column, int row, int columns, int rows, float z_m) {
+void fill(Image<double>& depth_m, int column, int row, int columns, int rows, double z_m) {
   for (int r = row; r < row + rows; ++r) {
     for (int c = column; c < column + columns; ++c) depth_m.at(c, r) = z_m;
   }
 }
 
-int pixels_with_surface(const Image<float>& depth_m) {
+int pixels_with_surface(const Image<double>& depth_m) {
   int count = 0;
-  for (const float z : depth_m.pixels) count += std::isfinite(z);
+  for (const double z : depth_m.pixels) count += std::isfinite(z);
   return count;
 }
 
 TEST(Pieces, OfLessThanTheAreaAreLeftOut) {
   ASSERT_NEAR(make_camera(options_of(1)).pixel_m(), 1e-3, 1e-9);
-  Image<float> depth_m(kSide, kSide, kNoSurface);
-  fill(depth_m, 0, 0, 4, 3, 0.1F);    // 12 mm2
-  fill(depth_m, 10, 10, 3, 3, 0.1F);  // 9 mm2
-  fill(depth_m, 13, 13, 1, 1, 0.1F);  // touches it at a corner alone
-  Image<float> kept = depth_m;
+  Image<double> depth_m(kSide, kSide, kNoSurface);
+  fill(depth_m, 0, 0, 4, 3, 0.1);    // 12 mm2
+  fill(depth_m, 10, 10, 3, 3, 0.1);  // 9 mm2
+  fill(depth_m, 13, 13, 1, 1, 0.1);  // touches it at a corner alone
+  Image<double> kept = depth_m;
   drop_small_pieces(kept, options_of(9.5));
   EXPECT_EQ(pixels_with_surface(kept), 12);
   EXPECT_TRUE(std::isfinite(kept.at(0, 0)));
@@ -52,12 +52,12 @@ TEST(Pieces, OfLessThanTheAreaAreLeftOut) {
 }
 
 TEST(Pieces, EndWhereDepthSteps) {
-  Image<float> depth_m(kSide, kSide, kNoSurface);
-  fill(depth_m, 0, 0, 10, 10, 0.1F);
-  fill(depth_m, 4, 4, 2, 2, 0.09F);  // floats 10 mm before it
+  Image<double> depth_m(kSide, kSide, kNoSurface);
+  fill(depth_m, 0, 0, 10, 10, 0.1);
+  fill(depth_m, 4, 4, 2, 2, 0.09);  // floats 10 mm before it
   drop_small_pieces(depth_m, options_of(5));
   EXPECT_EQ(pixels_with_surface(depth_m), 96);
-  fill(depth_m, 4, 4, 2, 2, 0.097F);  // a bump of 3 mm
+  fill(depth_m, 4, 4, 2, 2, 0.097);  // a bump of 3 mm
   drop_small_pieces(depth_m, options_of(5));
   EXPECT_EQ(pixels_with_surface(depth_m), 100);
 }
