@@ -103,6 +103,13 @@ std::vector<char> exr_mm(const std::vector<NamedMap>& maps_m, const render::Came
   return encoders().encode(raster, ".exr");
 }
 
+std::vector<char> depth_exr(const render::Picture& picture, const render::Camera& camera) {
+  std::vector<NamedMap> maps = {{"Z", &picture.depth_m}, {"Z_filtered", &picture.filtered_depth_m}};
+  const auto drawn = converted<float>(picture.drawn);
+  if (!drawn.pixels.empty()) maps.push_back({"drawn", &drawn, 1});
+  return exr_mm(maps, camera);
+}
+
 struct Video::Impl {
   std::unique_ptr<VideoEncoder> encoder;
   std::vector<std::uint8_t> picture;  ///< the last one, BGR; empty: none yet

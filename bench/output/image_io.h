@@ -41,6 +41,8 @@ struct NamedMap {
 /// header holds the camera's matrices, mm per pixel and projection. May be called from several
 /// threads. Throws std::runtime_error.
 std::vector<char> exr_mm(const std::vector<NamedMap>& maps_m, const render::Camera& camera);
+/// depth.exr: Z, Z_filtered and, where all of z was not found, drawn.
+std::vector<char> depth_exr(const render::Picture& picture, const render::Camera& camera);
 
 enum class Codec {
   mjpg,  ///< Motion JPEG in .avi, by FFmpeg or else by OpenCV itself

@@ -24,8 +24,7 @@ namespace {
 using namespace wobblebench;
 
 void write_depth(const render::Picture& picture, const render::Camera& camera, const char* path) {
-  const auto bytes =
-      bench::exr_mm({{"Z", &picture.depth_m}, {"Z_filtered", &picture.filtered_depth_m}}, camera);
+  const auto bytes = bench::depth_exr(picture, camera);
   std::ofstream file(path, std::ios::binary);
   file.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
   if (!file.flush()) throw std::runtime_error(std::string(path) + ": cannot be written");

@@ -117,20 +117,9 @@ struct Job {
   std::function<std::vector<char>()> encode;
 };
 
-/// Where z was not found but continues the surface, as a channel; none: all was found.
-void add_drawn(const Image<float>& drawn, std::vector<NamedMap>& channels) {
-  if (!drawn.pixels.empty()) channels.push_back({"drawn", &drawn, 1});
-}
-
 void add_maps(const PictureResult& result, const render::Camera& camera, std::vector<Job>& jobs) {
   const render::Picture& picture = result.picture;
-  jobs.push_back({"depth.exr", [&] {
-                    std::vector<NamedMap> channels = {{"Z", &picture.depth_m},
-                                                      {"Z_filtered", &picture.filtered_depth_m}};
-                    const auto drawn = converted<float>(picture.drawn);
-                    add_drawn(drawn, channels);
-                    return exr_mm(channels, camera);
-                  }});
+  jobs.push_back({"depth.exr", [&] { return depth_exr(picture, camera); }});
   if (!result.comparison) return;
   const Comparison& comparison = *result.comparison;
   jobs.push_back({"truth_depth.exr", [&] {
@@ -160,7 +149,7 @@ void add_labels(const PictureResult& result, const render::Camera& camera, std::
                                                       {"before", &maps.before, 1},
                                                       {"visible", &maps.visible, 1}};
                     const auto drawn = converted<float>(result.picture.drawn);
-                    add_drawn(drawn, channels);
+                    if (!drawn.pixels.empty()) channels.push_back({"drawn", &drawn, 1});
                     return exr_mm(channels, camera);
                   }});
   jobs.push_back({"labels.png", [&] {

@@ -188,7 +188,7 @@ PassError incidence_error(const render::CastDepth& depth,
     const SurfaceBounds surface(
         filtered_m, options, bounds.position_m + window_bound(window) * z_m);
     if (std::isnan(found_m.at(column, row)))
-      return kContinued * longest_m * render::kMaxTangent / z_m;
+      return kContinued * (longest_m * render::kMaxTangent / z_m + 4 * kUnitRoundoff);
     // Below its greatest value a tangent has a slope of at most 10.
     const double turn = std::min(10 * surface.normal(column, row), render::kMaxTangent);
     return longest_m * turn / z_m + 4 * kUnitRoundoff;

@@ -74,7 +74,9 @@ def same(a, b, allowed=2e-5):
     assert a["depth_mm"]["n"] == b["depth_mm"]["n"]
     assert abs(a["shaded_against_truth"]["ssim"] - b["shaded_against_truth"]["ssim"]) < 1e-3
     assert abs(a["surface_distance_mm"]["p95"] - b["surface_distance_mm"]["p95"]) < max(1e-4, allowed)
-    assert len(a["regions"]) == len(b["regions"])
+    # A file does not say which pixels were drawn beyond what was found.
+    count = [sum(region["group"] != "outline" for region in error["regions"]) for error in (a, b)]
+    assert count[0] == count[1]
 
 
 def check_depth_maps(run):
