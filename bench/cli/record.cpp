@@ -53,6 +53,7 @@ struct RecordResult {
   hw::LinkCapabilities link;
   std::optional<sim::Fidelity> fidelity;  ///< none: the sticks come from a recording or a card
   bool with_iq = false;
+  std::optional<Scene> scene;  ///< as resolved; none: likewise
 };
 
 /// Whether a file is a recording whose command was killed before its first stick came, so that
@@ -152,6 +153,11 @@ std::string record_report(const RecordResult& result, Scene scene) {
   Provenance provenance = provenance_of_this_machine();
   provenance.board = hw::to_string(result.link.origin);
   Json report = report_head("record", provenance, scene);
+  const auto is_of_phantom = [](const std::string& key) { return key.starts_with("phantom."); };
+  if (!result.scene && std::ranges::none_of(scene.given, is_of_phantom)) {
+    for (const char* unknown : {"phantom", "placement", "motion"})
+      report["scene"][unknown] = nullptr;
+  }
   report["acquisition"] = acquisition_json(scene.plan());
   report_fidelity(report, result.fidelity);
   if (!result.fidelity) report_stream_scale(report, configuration.display_scale);
@@ -291,6 +297,7 @@ std::unique_ptr<hw::Link> make_simulated_link(const Scene& scene,
                                               RecordResult& result) {
   SimulatedScan scan = simulated_scan(scene, open_phantom_cache(cache.most_megabytes()));
   result.fidelity = scan.simulator.fidelity();
+  result.scene = scan.scene;
   return open_board_link(board, simulated_sticks(std::move(scan), std::move(iq)));
 }
 
@@ -373,7 +380,7 @@ CommandResult record_to(OutputFolder& out,
                   "report is of the last");
   }
   const std::string failure = failure_of(result, loss, arguments);
-  const std::string report = record_report(result, scene);
+  const std::string report = record_report(result, result.scene.value_or(scene));
   // The other commands write their report.json into any folder.
   out.write_text(kReportName, report);
   return {.report = report,

@@ -1,15 +1,31 @@
 #include "bench/output/report.h"
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 
 namespace wobblebench::bench {
+
+Json scene_json(const Scene& scene) {
+  Json json = resolved(scene);
+  const auto drop = [&](const std::string& key) {
+    if (scene.framed || scene.given.contains(key)) return;
+    std::string place = "/" + key;
+    std::ranges::replace(place, '.', '/');
+    json[Json::json_pointer(place)] = nullptr;
+  };
+  drop("placement.position_mm");
+  drop("render.volume_of_interest.center_mm");
+  drop("render.volume_of_interest.size_mm");
+  drop("render.reconstruction.display_range_db");
+  return json;
+}
 
 Json report_head(const std::string& command, Provenance provenance, const Scene& scene) {
   provenance.seed = scene.simulation.seed;
   return {{"schema", kReportSchema},
           {"command", command},
           {"provenance", to_json(provenance)},
-          {"scene", resolved(scene)},
+          {"scene", scene_json(scene)},
           {"effects", Json::array()}};
 }
 

@@ -15,6 +15,9 @@ namespace wobblebench::bench {
 
 using Json = nlohmann::ordered_json;
 
+/// The scene with all its options; null: not framed yet.
+Json scene_json(const Scene& scene);
+
 /// The head: schema, command, provenance with the scene's seed, scene as resolved, no effects yet.
 Json report_head(const std::string& command, Provenance provenance, const Scene& scene);
 

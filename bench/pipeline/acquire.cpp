@@ -109,7 +109,11 @@ StreamSource BoardConnection::source(const ResolvedScene& scene) {
 }
 
 void BoardConnection::check_one_volume(const Scene& scene) const {
-  if (!is_simulated(arguments_) || scene.acquisition.volumes == 1) return;
+  // The first is meant of those that a report tells of.
+  if (!is_simulated(arguments_) || scene.acquisition.volumes == 1 ||
+      scene.reported.contains("acquisition.volumes")) {
+    return;
+  }
   throw UserError("acquisition.volumes = " + std::to_string(scene.acquisition.volumes) +
                   ": must be 1; this command renders one volume");
 }

@@ -62,9 +62,7 @@ std::vector<std::string> scene_warnings(const Scene& scene, SampleSource source)
 
 void warn_of_scene(const Scene& scene, SampleSource source, Progress& progress) {
   for (const std::string& text : scene_warnings(scene, source)) progress.warn(text);
-  std::set<std::string> chosen = scene.given;
-  for (const std::string& key : scene.reported) chosen.erase(key);
-  progress.warn(idle_options_text(idle_options(scene, chosen, source)));
+  progress.warn(idle_options_text(idle_options(scene, scene.given, source)));
 }
 
 void warn_of_scenes(const std::vector<Scene>& scenes, Progress& progress) {

@@ -11,14 +11,15 @@ namespace wobblebench::bench {
 SimulatedScan simulated_scan(const Scene& given, PhantomCache cache) {
   const ResolvedScene scene = resolve_scene(given, cache.phantom(given.phantom));
   return {{scene.subject().value(), scene.plan(), scene.simulation(), cache.tissue_maps()},
-          subject_hash(scene.options())};
+          scene.options()};
 }
 
 MakeSticks simulated_sticks(SimulatedScan scan, std::shared_ptr<IqFile> iq) {
-  return [scan = std::move(scan), iq = std::move(iq)] {
+  const hw::SubjectHash subject = subject_hash(scan.scene);
+  return [scan = std::move(scan), iq = std::move(iq), subject] {
     sim::IqSink write;
     if (iq) write = [iq](const hw::StickIndex& index, auto samples) { iq->write(index, samples); };
-    return sim::stick_source(scan.simulator, scan.subject, write);
+    return sim::stick_source(scan.simulator, subject, write);
   };
 }
 

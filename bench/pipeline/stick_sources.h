@@ -14,7 +14,7 @@ namespace wobblebench::bench {
 
 struct SimulatedScan {
   sim::ProbeSimulator simulator;
-  hw::SubjectHash subject;
+  Scene scene;  ///< as resolved
 };
 
 /// Makes phantom and simulator. Throws UserError, InvalidOption.

@@ -349,6 +349,7 @@ std::vector<IdleOption> idle_options(const Scene& scene,
   const Setting setting{scene, sim::echo_model_type(fidelity.rung)};
   std::vector<IdleOption> idle;
   for (const std::string& key : given) {
+    if (scene.reported.contains(key)) continue;
     std::string acts_with = idle_by_source(key, source);
     if (acts_with.empty()) acts_with = idle_by_rules(key, setting);
     if (!acts_with.empty()) idle.push_back({key, acts_with});

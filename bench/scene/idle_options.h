@@ -17,7 +17,7 @@ struct IdleOption {
   std::string acts_with;  ///< "render.view.projection = perspective"
 };
 
-/// Those of `given` that are without effect in the scene.
+/// Those of `given` that are without effect in the scene, but for what a report names.
 std::vector<IdleOption> idle_options(const Scene& scene,
                                      const std::set<std::string>& given,
                                      SampleSource source = SampleSource::simulator);

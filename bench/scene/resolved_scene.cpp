@@ -117,6 +117,7 @@ ResolvedScene resolve_scene(Scene scene, const std::optional<phantoms::Phantom>&
   if (!scene.given.contains("render.reconstruction.display_range_db")) {
     scene.render.reconstruction.display_range_db = scene.simulation.dynamic_range_db;
   }
+  scene.framed = true;
   if (!phantom) {
     frame_sector(scene);
     check_render(scene.render);

@@ -13,6 +13,7 @@
 #include <utility>
 #include <vector>
 
+#include "base/file.h"
 #include "base/near_name.h"
 #include "base/text.h"
 #include "bench/scene/scene_cost.h"
@@ -270,13 +271,32 @@ toml::table with_settings(toml::table table,
   return table;
 }
 
+bool is_report(const std::filesystem::path& path) {
+  return path.extension() == ".json";
+}
+
+/// The scene of a report that another command has written.
+toml::table reported_table(const std::filesystem::path& path) {
+  const auto refuse = [&](const char* why) { throw UserError(path.string() + ": " + why); };
+  const auto report = nlohmann::ordered_json::parse(read_file(path), nullptr, false);
+  const auto scene = report.is_object() ? report.value("scene", nlohmann::ordered_json()) : nullptr;
+  if (!scene.is_object()) {
+    refuse("has no \"scene\"; must be a scene in TOML, or report.json or recording.json of one");
+  }
+  if (!scene.contains("phantom") || scene["phantom"].is_null()) {
+    refuse("has no phantom in its \"scene\": the subject of its samples is not known");
+  }
+  return table_of(scene, path.string());
+}
+
 /// The file's table. Refuses settings first where they alone are wrong: what a shell made of a list
 /// may stand as the path.
 toml::table file_table(const std::filesystem::path& path,
                        const std::vector<std::string>& settings,
                        const std::string& settings_of) {
   with_settings({}, settings, settings_of);
-  return path.empty() ? toml::table{} : parse_toml_file(path, "a scene");
+  if (path.empty()) return {};
+  return is_report(path) ? reported_table(path) : parse_toml_file(path, "a scene");
 }
 
 /// Another program blends no volume.
@@ -339,23 +359,40 @@ nlohmann::ordered_json resolved(const Scene& scene) {
   return json;
 }
 
+namespace {
+
+/// `of_report`: the table names every option.
+Scene scene_of(const toml::table& file,
+               const std::vector<std::string>& settings,
+               const std::string& settings_of,
+               const std::string& source,
+               render::RenderPreset preset,
+               bool of_report) {
+  toml::table table = with_settings(file, settings, settings_of);
+  Scene scene;
+  scene.picture.preset = preset;
+  read_sections(scene, table, source);
+  seek_surface_alone(scene);
+  correct_no_beam(scene);
+  validate(scene, source);
+  if (!of_report) return scene;
+  scene.reported = scene.given;
+  for (const auto& setting : settings) scene.reported.erase(setting.substr(0, setting.find('=')));
+  return scene;
+}
+
+}  // namespace
+
 SceneSource scene_source(const std::filesystem::path& path,
                          const std::vector<std::string>& first,
                          const std::string& settings_of,
                          render::RenderPreset preset) {
   return
       [=, file = file_table(path, first, settings_of)](const std::vector<std::string>& settings) {
-        toml::table table = with_settings(file, settings, settings_of);
         std::string source = path.empty() ? "defaults" : path.string();
         if (!settings.empty())
           source = path.empty() ? settings_of : source + " with " + settings_of;
-        Scene scene;
-        scene.picture.preset = preset;
-        read_sections(scene, table, source);
-        seek_surface_alone(scene);
-        correct_no_beam(scene);
-        validate(scene, source);
-        return scene;
+        return scene_of(file, settings, settings_of, source, preset, is_report(path));
       };
 }
 
@@ -376,17 +413,12 @@ std::string scene_text(const std::filesystem::path& path,
 Scene load_resolved_scene(const nlohmann::ordered_json& resolved,
                           const std::vector<std::string>& settings,
                           const std::string& source) {
-  toml::table table = table_of(resolved, source);
-  for (const auto& setting : settings) apply_setting(table, setting, "--set");
-  const std::string from = settings.empty() ? source : source + " with --set";
-  Scene scene;
-  read_sections(scene, table, from);
-  seek_surface_alone(scene);
-  correct_no_beam(scene);
-  validate(scene, from);
-  scene.reported = scene.given;
-  for (const auto& setting : settings) scene.reported.erase(setting.substr(0, setting.find('=')));
-  return scene;
+  return scene_of(table_of(resolved, source),
+                  settings,
+                  "--set",
+                  settings.empty() ? source : source + " with --set",
+                  render::RenderPreset::accurate,
+                  true);
 }
 
 }  // namespace wobblebench::bench

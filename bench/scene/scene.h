@@ -66,6 +66,8 @@ struct Scene {
   std::set<std::string> given;  ///< dotted keys that the file or --set named
   /// Those of them that stand in a report, which names every option: nobody's choice.
   std::set<std::string> reported;
+  /// Placement and volume of interest, where not given, are those that phantom or sector suggest.
+  bool framed = false;
 
   hw::AcquisitionPlan plan() const { return {probe, acquisition}; }
   /// Whether the options set any motion.
@@ -94,9 +96,10 @@ void for_each_section(S& scene, const Body& body) {
   body("render.smoothing", scene.render.smoothing);
 }
 
-/// Reads `path` (empty: defaults alone), then applies each "section.key=value" of `settings`, then
-/// validates every option. `settings_of`: where the settings are from, for refusals;
-/// `preset`: of the renderer, unless they name one. Throws UserError.
+/// Reads `path` (a scene in TOML, or the report of a command, .json; empty: defaults alone), then
+/// applies each "section.key=value" of `settings`, then validates every option. `settings_of`:
+/// where the settings are from, for refusals; `preset`: of the renderer, unless they name one.
+/// Throws UserError.
 Scene load_scene(const std::filesystem::path& path,
                  const std::vector<std::string>& settings,
                  const std::string& settings_of = "--set",

@@ -132,7 +132,7 @@ void refuse_other_subject(const Scene& scene,
     if (here.*part == recorded.*part || older.*part == recorded.*part) return;
     throw UserError(source + ": the scene's [" + section +
                     "] is not that of the recording; give the scene and --set that it was "
-                    "recorded with (`scene` in the recording.json beside it)");
+                    "recorded with (the recording.json beside it is one)");
   };
   compare("phantom", &hw::SubjectHash::phantom);
   compare("motion", &hw::SubjectHash::motion);

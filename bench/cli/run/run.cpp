@@ -246,11 +246,23 @@ void warn_of_samples(const RunResult& result,
   warn_of_times(result.acquisition.off_plan_s, scene.plan(), scene.moves(), progress);
 }
 
-int run(const RunArguments& arguments) {
-  const auto limits = parse_limits(arguments.limits, timed_picture_names());
+/// The only renderer of another program is the one that is meant.
+RunArguments with_renderer(RunArguments arguments) {
   define_renderers(arguments.renderers);
   const Scene given = load_scene(arguments.scene.file, arguments.scene.settings);
+  if (arguments.renderers.size() == 1 && !given.given.contains("render.program")) {
+    const std::string& only = arguments.renderers.front();
+    arguments.scene.settings.push_back("render.program=" + only.substr(0, only.find('=')));
+  }
+  return arguments;
+}
+
+int run(const RunArguments& from_line) {
+  const auto limits = parse_limits(from_line.limits, timed_picture_names());
+  const RunArguments arguments = with_renderer(from_line);
+  const Scene given = load_scene(arguments.scene.file, arguments.scene.settings);
   check_program(given.picture);
+  refuse_unused_renderers();
   const auto request = tolerance_request(arguments);
   if (request) refuse_program(given, "run --tolerance");
   check_memory_of_run(given, available_memory_bytes());

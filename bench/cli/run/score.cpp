@@ -41,6 +41,7 @@ struct ScoreArguments {
   OutputArguments output;
   std::string unit = "auto", kind = "ray", frame = "probe", far, point_mm, step_mm;
   int volume = 0;
+  bool clip = false;
   std::vector<std::string> limits;
 };
 
@@ -149,12 +150,43 @@ std::vector<ConditionalOption> conditional_options(SurfaceFileKind kind) {
   const bool is_map = kind == SurfaceFileKind::depth_map;
   const char *map = "a depth map", *points = "a point cloud";
   return {{"--kind", is_map, map},
+          {"--clip", is_map, map},
           {"--channel", is_map, map},
           {"--mask", is_map, map},
           {"--far", is_map, map},
           {"--step-mm", is_map, map},
           {"--frame", !is_map, "a mesh or a point cloud"},
           {"--point-mm", kind == SurfaceFileKind::points, points}};
+}
+
+/// Counts the pixels whose depth lies before or behind the volume of interest, where no truth is,
+/// and with `clip` leaves them out. Returns a warning where they are many and stay.
+std::string count_outside_box(FoundSurface& found, const ResolvedScene& scene, bool clip) {
+  constexpr double kRounding_m = 1e-6, kMany = 0.05;
+  const auto& box = scene.render().volume_of_interest;
+  int outside = 0, all = 0;
+  double nearest_m = kNoSurface, farthest_m = kNoSurface;
+  for (int row = 0; row < found.depth_m.height; ++row) {
+    for (int column = 0; column < found.depth_m.width; ++column) {
+      float& z_m = found.depth_m.at(column, row);
+      if (!std::isfinite(z_m)) continue;
+      ++all;
+      const render::Span span = render::clip_to_box(scene.view().camera.ray(column, row), box);
+      if (span.from_m <= span.to_m) {
+        nearest_m = std::fmin(nearest_m, span.from_m);
+        farthest_m = std::fmax(farthest_m, span.to_m);
+      }
+      if (z_m >= span.from_m - kRounding_m && z_m <= span.to_m + kRounding_m) continue;
+      ++outside;
+      if (clip) z_m = kNoSurface;
+    }
+  }
+  if (outside > 0) found.counts.emplace_back(clip ? "pixels_clipped" : "pixels_outside", outside);
+  if (clip || outside < kMany * all) return "";
+  return rounded(100.0 * outside / all) +
+         " % of the found pixels lie outside the volume of interest, whose depths are " +
+         rounded(nearest_m / kMillimetre) + " to " + rounded(farthest_m / kMillimetre) +
+         " mm: another surface may be meant; --clip leaves them out";
 }
 
 /// What passes 3 and 4 make of the depths that were found, and how far they are from the truth.
@@ -235,9 +267,11 @@ int score(const ScoreArguments& arguments) {
         progress.step("phantom", [&] { return cache.phantom(scored.options.phantom); });
     const ResolvedScene scene = resolve_scene(scored.options, phantom);
     check_camera(scored, scene.view().camera);
-    const FoundSurface found =
-        progress.step("read", [&] { return read_found_surface(options, scene); });
+    FoundSurface found = progress.step("read", [&] { return read_found_surface(options, scene); });
     progress.warn(idle_options_text(*arguments.command, conditional_options(found.kind)));
+    if (found.kind == SurfaceFileKind::depth_map) {
+      progress.warn(count_outside_box(found, scene, arguments.clip));
+    }
     const sim::TissueMapSource maps = kept_maps(cache.tissue_maps());
     Truth truth = progress.step("truth", [&] { return true_surface(scene, maps, scored.volume); });
     const PictureResult result =
@@ -284,6 +318,10 @@ void add_surface_options(CLI::App& command, ScoreArguments& arguments) {
            "--far",
            arguments.far,
            "Of a depth map: depths from this number on, in the file's unit, are no surface");
+  add_flag(command,
+           "--clip",
+           arguments.clip,
+           "Of a depth map: what lies outside the volume of interest is no surface");
   add_choice(
       command,
       "--frame",

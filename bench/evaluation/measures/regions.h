@@ -25,7 +25,7 @@ Image<std::uint8_t> silhouette_band(const Truth& truth,
 
 /// A division of the picture's pixels.
 struct RegionGroup {
-  std::string name;                  ///< "silhouette", "incidence", "range", "part", "unseen", "outline"
+  std::string name;  ///< "silhouette", "incidence", "range", "part", "unseen", "outline"
   std::vector<std::string> regions;  ///< names
   Image<std::uint8_t> index;         ///< into `regions`; their number or more: in none
 };

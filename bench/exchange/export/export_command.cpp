@@ -115,7 +115,9 @@ Source source_of(const Arguments& arguments) {
   const fs::path from = arguments.from;
   const bool has_scene = !arguments.scene.file.empty();
   const bool is_board = arguments.from.find('=') != std::string::npos && !fs::exists(from);
-  const bool is_scene = (from.extension() == ".toml" && !is_board) || arguments.from == "sim";
+  const bool is_scene =
+      ((from.extension() == ".toml" || from.extension() == ".json") && !is_board) ||
+      arguments.from == "sim";
   const bool is_run = !is_scene && fs::is_directory(from);
   if (has_scene && (is_scene || is_run)) {
     throw UserError("--scene: acts with a recording; FROM = " + arguments.from + " is a scene");
@@ -125,8 +127,15 @@ Source source_of(const Arguments& arguments) {
     return {"sim",
             load_scene(arguments.from == "sim" ? fs::path() : from, arguments.scene.settings)};
   }
-  return {is_board ? arguments.from : "file=" + arguments.from,
-          load_scene(arguments.scene.file, arguments.scene.settings)};
+  const auto& settings = arguments.scene.settings;
+  const std::string board = is_board ? arguments.from : "file=" + arguments.from;
+  const fs::path beside = fs::path(from).replace_extension(".json");
+  if (has_scene || from.extension() != ".wbst" || !fs::exists(beside)) {
+    return {board, load_scene(arguments.scene.file, settings)};
+  }
+  const auto report = nlohmann::ordered_json::parse(read_file(beside), nullptr, false);
+  if (!report.is_object() || !report.contains("scene")) return {board, load_scene({}, settings)};
+  return {board, load_resolved_scene(report["scene"], settings, beside.string())};
 }
 
 /// Hands volumes to the writers, and the last one to the renderer.
@@ -360,10 +369,11 @@ Command add_export_command(CLI::App& app) {
       arguments->to,
       "File to write (repeatable): .npz, .nrrd, .seq.nrrd, .mha, .hdf5, .vol, .dcm or .ply, then "
       ",content=C,type=T,spacing_mm=S");
-  add_path(command,
-           "--scene",
-           arguments->scene.file,
-           "Scene of a recording: with the phantom that it is of, its truth is known");
+  add_path(
+      command,
+      "--scene",
+      arguments->scene.file,
+      "Scene of a recording, with the phantom that it is of; default: recording.json beside it");
   add_list(command,
            "--set",
            arguments->scene.settings,

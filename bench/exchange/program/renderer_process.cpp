@@ -29,8 +29,12 @@ namespace fs = std::filesystem;
 
 constexpr std::size_t kLongestLine = 10'000;
 
-std::map<std::string, std::string>& commands() {
-  static std::map<std::string, std::string> all;
+struct Defined {
+  std::string command;
+  bool asked = false;  ///< for the command
+};
+std::map<std::string, Defined>& commands() {
+  static std::map<std::string, Defined> all;
   return all;
 }
 
@@ -80,13 +84,15 @@ void define_renderers(const std::vector<std::string>& definitions) {
       throw UserError("--renderer = " + definition +
                       ": must be NAME=COMMAND, with a name of letters, digits, _ and -");
     }
-    commands()[name] = definition.substr(equals + 1);
+    commands()[name] = {definition.substr(equals + 1)};
   }
 }
 
 const std::string* defined_renderer(const std::string& name) {
   const auto found = commands().find(name);
-  return found != commands().end() ? &found->second : nullptr;
+  if (found == commands().end()) return nullptr;
+  found->second.asked = true;
+  return &found->second.command;
 }
 
 const std::string& renderer_command(const std::string& name) {
@@ -94,6 +100,14 @@ const std::string& renderer_command(const std::string& name) {
   throw UserError("render.program = " + name +
                   ": is not defined; the command line must say which program that is: --renderer " +
                   name + "='COMMAND'");
+}
+
+void refuse_unused_renderers() {
+  for (const auto& [name, defined] : commands()) {
+    if (defined.asked) continue;
+    throw UserError("--renderer " + name + "=" + defined.command +
+                    ": without effect: nothing sets render.program = " + name);
+  }
 }
 
 RendererProcess::RendererProcess(std::string name, const std::string& command)

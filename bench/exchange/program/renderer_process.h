@@ -20,6 +20,8 @@ void define_renderers(const std::vector<std::string>& definitions);
 const std::string* defined_renderer(const std::string& name);
 /// The same. Throws UserError "render.program = NAME: …" for one that is not defined.
 const std::string& renderer_command(const std::string& name);
+/// Throws UserError for a definition that nobody has asked for since.
+void refuse_unused_renderers();
 
 /// Started with `sh -c`, in a process group of its own and with a folder of its own, which is
 /// removed with it, also where this process ends before. All errors are std::runtime_error

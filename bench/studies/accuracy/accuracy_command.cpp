@@ -81,6 +81,7 @@ std::vector<AccuracyScene> scenes_of(const AccuracyPlan& plan,
       scenes[i].settings.push_back(setting_of(plan, plan.scenes[i], setting, more));
     }
   }
+  refuse_unused_renderers();
   return scenes;
 }
 
@@ -95,7 +96,7 @@ Json report_of(const AccuracyResults& results,
     for (const auto& setting : scene.settings) {
       const std::string key =
           scene.drawn ? scene.name + "-" + std::to_string(scene.seeds.front()) : scene.name;
-      report["scenes"][key][setting.name] = resolved(setting.scene);
+      report["scenes"][key][setting.name] = scene_json(setting.scene);
     }
   }
   report["accuracy"] = accuracy_json(results);

@@ -40,13 +40,8 @@ struct Measurement {
   ComparedSide base, now;
   std::vector<ComparedScene> scenes;
   std::map<std::string, Pictures> pictures;  ///< of each scene's first seed
+  std::vector<std::string> new_settings;     ///< of NEW alone
 };
-
-std::vector<std::string> joined(std::vector<std::string> first,
-                                const std::vector<std::string>& then) {
-  first.insert(first.end(), then.begin(), then.end());
-  return first;
-}
 
 /// `wanted`: 0: not given.
 std::vector<std::uint64_t> seeds_of(const Measurement& all, const std::string& scene, int wanted) {
@@ -74,27 +69,26 @@ void measure_if_program(ComparedSide& side,
   if (pictures.surface.empty()) pictures = std::move(made);
 }
 
-/// Throws UserError where a kept base was measured on another body than NEW is, other than by a
-/// setting of the command line.
-void refuse_other_body(const Measurement& all, const std::string& scene) {
+/// Throws UserError where a kept base was measured on another body than `now` has, other than by a
+/// setting of NEW alone.
+void refuse_other_body(const Measurement& all,
+                       const std::string& scene,
+                       const std::map<std::string, std::string>& now) {
   const auto& base_settings = all.base.measured.settings;
-  if (!all.base.measured.kept || !base_settings.contains(scene) ||
-      !all.now.measured.settings.contains(scene)) {
-    return;
-  }
+  if (!all.base.measured.kept || !base_settings.contains(scene)) return;
   const auto is_set = [&](const std::string& key) {
-    return all.now.program && std::ranges::any_of(all.now.program->settings, [&](const auto& one) {
-             return one.starts_with(key + "=");
-           });
+    return std::ranges::any_of(all.new_settings,
+                               [&](const auto& one) { return one.starts_with(key + "="); });
   };
-  const auto& now = all.now.measured.settings.at(scene);
   for (const auto& [key, value] : base_settings.at(scene)) {
     const bool is_of_body =
         key.starts_with("phantom.") || key.starts_with("placement.") || key.starts_with("motion.");
     const auto other = now.find(key);
     if (!is_of_body || other == now.end() || other->second == value || is_set(key)) continue;
+    if (other->second == "null") continue;  // follows from others
     throw UserError(scene + ": " + key + " = " + other->second + ", but BASE = " + all.base.text +
-                    " was measured with " + value + ": figures of two bodies are not compared");
+                    " was measured with " + value +
+                    ": figures of two bodies are not compared; give the same --scene and --set");
   }
 }
 
@@ -109,7 +103,7 @@ void measure_all(Measurement& all, int wanted_seeds, const PartDone& done) {
       const auto run_base = [&] { measure_if_program(all.base, scene, seed, pictures.base); };
       if (seed % 2 == 1) run_base();
       measure_if_program(all.now, scene, seed, pictures.now);
-      refuse_other_body(all, scene.name);
+      refuse_other_body(all, scene.name, all.now.measured.settings[scene.name]);
       if (seed % 2 == 0) run_base();
       done(++made, planned);
     }
@@ -138,23 +132,27 @@ void refuse_alone(const Arguments& arguments, const ComparedSide& base) {
 void refuse_wrong_settings(const Measurement& all) {
   for (const ComparedSide* side : {&all.base, &all.now}) {
     if (!side->program || side->text != "this") continue;
-    for (const ComparedScene& scene : all.scenes) load_scene(scene.file, side->program->settings);
+    for (const ComparedScene& scene : all.scenes) {
+      const Scene read = load_scene(scene.file, side->program->settings);
+      if (side == &all.now) {
+        refuse_other_body(all, scene.name, settings_in({{"scene", scene_json(read)}}));
+      }
+    }
   }
 }
 
 Measurement planned(const Arguments& arguments) {
-  const auto with = [&](const std::vector<std::string>& own) {
-    return joined(arguments.settings, own);
-  };
-  Measurement all{.scenes = compared_scenes(arguments.scenes)};
-  ComparedSide base = parse_side("base", arguments.base.string(), with(arguments.base_settings));
+  Measurement all{.scenes = compared_scenes(arguments.scenes),
+                  .new_settings = arguments.new_settings};
+  ComparedSide base =
+      parse_side("base", arguments.base.string(), arguments.settings, arguments.base_settings);
   if (arguments.now.empty()) {
     refuse_alone(arguments, base);
     all.now = std::move(base);
     return all;
   }
   all.base = std::move(base);
-  all.now = parse_side("new", arguments.now, with(arguments.new_settings));
+  all.now = parse_side("new", arguments.now, arguments.settings, arguments.new_settings);
   if (!all.now.program) {
     if (all.base.program) {
       throw UserError("NEW = " + arguments.now + ": figures that were kept can be BASE, not NEW");
@@ -168,7 +166,7 @@ Measurement planned(const Arguments& arguments) {
                       all.now.measured.board + ", BASE with " + all.base.measured.board);
     }
     all.scenes.clear();
-    for (const auto& [scene, unused] : all.base.measured.settings) refuse_other_body(all, scene);
+    for (const auto& [scene, now] : all.now.measured.settings) refuse_other_body(all, scene, now);
   }
   all.now.measured.board = all.base.measured.board;
   name_kept_run(all);

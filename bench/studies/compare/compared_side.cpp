@@ -52,8 +52,8 @@ std::string settings_text(const std::vector<std::string>& settings) {
 
 ComparedSide side_of_folder(const std::string& option,
                             const std::string& text,
-                            const std::vector<std::string>& settings) {
-  if (!settings.empty()) {
+                            const std::vector<std::string>& own) {
+  if (!own.empty()) {
     throw UserError("--" + option + "-set: without effect: " + text +
                     " has figures that were kept");
   }
@@ -126,9 +126,11 @@ std::vector<ComparedScene> compared_scenes(const std::vector<std::string>& files
 
 ComparedSide parse_side(const std::string& option,
                         const std::string& text,
-                        const std::vector<std::string>& settings) {
+                        std::vector<std::string> settings,
+                        const std::vector<std::string>& own) {
   std::error_code ignored;
-  if (fs::is_directory(text, ignored)) return side_of_folder(option, text, settings);
+  if (fs::is_directory(text, ignored)) return side_of_folder(option, text, own);
+  settings.insert(settings.end(), own.begin(), own.end());
   const bool is_this = text == "this";
   const fs::path program = is_this ? fs::read_symlink("/proc/self/exe") : fs::absolute(text);
   if (!fs::is_regular_file(program, ignored) || ::access(program.c_str(), X_OK) != 0) {

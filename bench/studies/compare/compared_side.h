@@ -40,10 +40,12 @@ struct ComparedSide {
 };
 
 /// `text`: "this" for the running program, a program's file, or a folder with report.json of
-/// `compare` (its new side) or `run`. `option`: BASE or NEW, for refusals. Throws UserError.
+/// `compare` (its new side) or `run`. `option`: BASE or NEW, for refusals. `settings` are those of
+/// both sides, which concern a program alone; a folder with `own` is refused. Throws UserError.
 ComparedSide parse_side(const std::string& option,
                         const std::string& text,
-                        const std::vector<std::string>& settings);
+                        std::vector<std::string> settings,
+                        const std::vector<std::string>& own);
 
 /// One run of the side, added to what is measured. Returns its pictures. Throws UserError where the
 /// program refuses the scene, and std::runtime_error where it fails.

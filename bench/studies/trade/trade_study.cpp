@@ -154,6 +154,7 @@ void check_trade(const TradeWork& work) {
       }
     }
   }
+  refuse_unused_renderers();
 }
 
 namespace {

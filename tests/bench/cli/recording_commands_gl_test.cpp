@@ -73,6 +73,25 @@ TEST_F(WithRecording, RenderedItIsTheLiveRunToTheByte) {
   EXPECT_TRUE(of("played").at("simulation").is_null());
 }
 
+/// Without a word about the sphere, which is not the default phantom, nor about its place.
+TEST_F(WithRecording, ItsReportIsItsScene) {
+  const std::string set = " --set render.ray_casting.image_size=48";
+  const auto live = bench("run --out live" + set, {kSphere, kScan});
+  ASSERT_EQ(live.exit_code, 0) << live.err;
+  const auto of_report = [&](const char* run) {
+    return nlohmann::json::parse(bytes_of(folder_.path() / run / "report.json")).at("error");
+  };
+  for (const std::string board : {"", " --board file=rec/recording.wbst"}) {
+    const auto again = bench("run rec/recording.json --out again" + set + board);
+    ASSERT_EQ(again.exit_code, 0) << again.err;
+    EXPECT_EQ(of_report("again"), of_report("live")) << board;
+  }
+  const auto exported = bench("export rec/recording.wbst --to scan.npz");
+  EXPECT_EQ(exported.exit_code, 0) << exported.err;
+  folder_.write("none.json", R"({"scene": 3})");
+  expect_line(bench("run none.json"), 2, "none.json: has no \"scene\"");
+}
+
 TEST_F(WithRecording, JoinedToItselfItHoldsTwoAcquisitions) {
   const std::string bytes = bytes_of(at("rec/recording.wbst"));
   folder_.write("joined.wbst", bytes + bytes);

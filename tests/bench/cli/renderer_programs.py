@@ -100,4 +100,7 @@ check_bad(answering("open(request['depth'], 'w').write('no array')\nprint('done'
 check_bad(answering("np.save(request['depth'], np.zeros((n, n), complex))\nprint('done', flush=True)"), "<c16")
 check_bad(answering("np.save(request['depth'], np.full((n, n), 0.1))\nprint('done', flush=True)"), "lie in the view's box")
 check_bad("", "must be NAME=COMMAND", code=2)
+check_bad("true", "without effect: nothing sets render.program = other", code=2, more=["render.program="])
+SMALL.remove("render.program=other")  # the only renderer is the one that is meant
+check_bad("exit 3", "render.program = other: ended with exit code 3 before it answered")
 assert not os.listdir(os.environ["TMPDIR"])

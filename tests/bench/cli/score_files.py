@@ -92,6 +92,16 @@ def check_depth_maps(run):
     same(own, score("arrays.npz", run=run))
     np.savez(path("masked.npz"), depth=np.nan_to_num(z, nan=77), seen=~np.isnan(z))
     same(own, score("masked.npz", "--channel", "depth", "--mask", "seen", run=run))
+    before = z.copy()
+    before[:2] = 1  # as of the wall of the womb, before the box
+    np.save(path("before.npy"), before)
+    inside = z.copy()
+    inside[:2] = np.nan
+    np.save(path("inside.npy"), inside)
+    same(score("inside.npy", run=run), score("before.npy", "--clip", run=run))
+    done = command("score", path("before.npy"), "--scene", path(run + "/report.json"), "--out", path("scored"))
+    share = 100 * 2 * z.shape[1] / np.isfinite(before).sum()
+    assert share > 5 and f"{share:.3g} % of the found pixels lie outside" in done.stderr, (share, done.stderr)
     np.save(path("far.npy"), np.nan_to_num(z, nan=1e10))
     same(own, score("far.npy", "--far", "1e10", run=run))
     refused("far.npy", says="--far 1e+10", run=run)

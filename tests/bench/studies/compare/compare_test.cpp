@@ -237,6 +237,25 @@ TEST_F(CompareCommand, AKeptBaseTellsAChangedSetting) {
             std::string::npos);
 }
 
+TEST_F(CompareCommand, AKeptBaseIsOfItsOwnBody) {
+  const std::vector<std::string> small = {
+      "--scene", "ball.toml", "--set", "phantom.radius_mm=21", "--seeds", "1"};
+  const auto with = [&](std::vector<std::string> words, std::size_t settings) {
+    words.insert(words.end(), small.begin(), small.begin() + static_cast<long>(settings));
+    return words;
+  };
+  ASSERT_EQ(compare(with({"this", "--out", "base"}, 6)).exit_code, 0);
+  const auto same = compare(with({"base", "this", "--out", "same"}, 4));
+  EXPECT_EQ(same.exit_code, 0) << same.err;
+  const auto other = compare(with({"base", "this", "--out", "other"}, 2));
+  EXPECT_EQ(other.exit_code, 2);
+  EXPECT_NE(
+      other.err.find("ball: phantom.radius_mm = 20.0, but BASE = base was measured with 21.0"),
+      std::string::npos)
+      << other.err;
+  EXPECT_FALSE(std::filesystem::exists(folder_.path() / "other"));
+}
+
 TEST_F(CompareCommand, BadSidesAreRefused) {
   std::filesystem::create_directory(folder_.path() / "empty");
   for (const auto& [words, part] : std::vector<std::pair<std::vector<std::string>, std::string>>{
