@@ -177,8 +177,9 @@ struct RayCastingOptions {
   /// nullopt: kShareOfWidth of the probe's beam width at the surface, in the direction in which
   /// the surface is tilted (hw::BeamWidths).
   std::optional<double> incidence_correction_m = 0;
-  /// iso: a ray that enters the box or the cone beyond the level has its surface there, a cap as
-  /// that of a clipped iso-surface. Else it has one only where it leaves tissue and enters again.
+  /// iso: a ray that enters the cone beyond the level has its surface there, a cap as that of a
+  /// clipped iso-surface. Else, and where it begins in the cone beyond the level, it has one only
+  /// where it leaves tissue and enters again.
   bool caps = false;
   /// The border of the surface is smoothed by a Gaussian of this standard deviation where the
   /// surface is steep to its sticks (render/passes/outline.h); 0: not.

@@ -83,11 +83,15 @@ class IsoFinder : public SurfaceFinder {
   IsoFinder(const RayCastingOptions& options, double step_m, double level)
       : o_(options), step_m_(step_m), level_(level) {}
 
-  void reset() override { last_.reset(); }
+  void reset() override {
+    last_.reset();
+    at_start_ = false;
+  }
   std::optional<double> take(double sample, double distance_m) override {
     const double now = sign_of(o_.edge) * (sample - level_);
     const std::optional<double> before = std::exchange(last_, now);
-    if (o_.caps && !before && now >= 0) return distance_m;
+    if (o_.caps && !at_start_ && !before && now >= 0) return distance_m;
+    at_start_ = false;
     if (!before || *before >= 0 || now < 0) return {};
     return o_.refine_crossing ? distance_m - step_m_ * now / (now - *before) : distance_m;
   }
@@ -95,6 +99,7 @@ class IsoFinder : public SurfaceFinder {
  private:
   RayCastingOptions o_;
   double step_m_, level_;
+  bool at_start_ = true;        ///< of the ray
   std::optional<double> last_;  ///< how far beyond the level the sample before was
 };
 

@@ -141,8 +141,8 @@ const Setting kBaseSettings[] = {
     {"small_pieces_left_out", "ray_casting.smallest_piece_mm2=50"},
     {"incidence_corrected_by_the_beam", "ray_casting.incidence_correction_mm=auto view.yaw_deg=23"},
     {"outline_smoothed", "ray_casting.outline_mm=4"},
-    {"caps_on_a_box_that_begins_in_tissue",
-     "ray_casting.detector=iso ray_casting.caps=true volume_of_interest.center_mm=0,0,140"},
+    {"caps_on_a_scan_that_begins_in_tissue",
+     "ray_casting.detector=iso ray_casting.caps=true view.yaw_deg=80"},
 };
 
 /// All settings' shaded pictures side by side, as 8-bit grey.

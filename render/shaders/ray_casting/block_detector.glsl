@@ -45,14 +45,14 @@ void keep_block() {
 #endif
 
 #if !DETECT
-void empty_block() {}
+void empty_block(bool at_start) {}
 void end_block() {}
 #elif DETECTOR == DETECTOR_ISO
-void empty_block() { empty_buffer(); }
+void empty_block(bool at_start) { empty_buffer(at_start); }
 bool reaches_surface_in_block(bool inside, int j) { return reaches_surface(inside, newer[j]); }
 void end_block() {}
 #elif DETECTOR == DETECTOR_FLOOR
-void empty_block() {
+void empty_block(bool at_start) {
   empty_older();
   empty_floor();
 }
@@ -65,7 +65,7 @@ void end_block() {
   end_floor_block();
 }
 #else
-void empty_block() {
+void empty_block(bool at_start) {
   empty_older();
   taken = 0;
   difference = 0.0;

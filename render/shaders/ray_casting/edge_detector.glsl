@@ -13,11 +13,12 @@ float on_grid(float value) { return roundEven(value * 262144.0) / 262144.0; }
 
 #if DETECTOR == DETECTOR_ISO
 // An iso-surface: the first sample beyond the level after one that was not, or with CAPS the first
-// of all.
+// in the cone, unless the ray begins there.
 const float NO_DIFFERENCE = -1e30;  // makes steps_past_crossing() 0
 
-void empty_buffer() {
-  taken = 0;
+// `at_start`: the next sample is the ray's first.
+void empty_buffer(bool at_start) {
+  taken = at_start ? 1 : 0;
   difference = 0.0;
 }
 
@@ -26,7 +27,7 @@ bool reaches_surface(bool inside, float newest) {
   difference = edge_sign * (newest - threshold);
   taken = inside ? taken + 1 : 0;
 #if CAPS
-  if (taken == 1 && difference >= 0.0) {  // the ray begins beyond the level
+  if (taken == 1 && difference >= 0.0) {
     last_difference = NO_DIFFERENCE;
     return true;
   }
@@ -98,7 +99,7 @@ float steps_past_crossing() {
 float ring[MEAN];  // circular buffer of the last samples
 int oldest;        // index of the oldest sample in `ring`, and steps of the unfinished block
 
-void empty_buffer() {
+void empty_buffer(bool at_start) {
   for (int i = 0; i < MEAN; ++i) ring[i] = 0.0;
   oldest = 0;
   empty_floor();
@@ -121,7 +122,7 @@ bool reaches_surface(bool inside, float newest) {
 float ring[BUFFER];  // circular buffer of the last n = BUFFER samples; 0 outside the cone
 int oldest;          // index of the oldest sample in `ring`
 
-void empty_buffer() {
+void empty_buffer(bool at_start) {
   for (int i = 0; i < BUFFER; ++i) ring[i] = 0.0;
   oldest = 0;
   taken = 0;

@@ -216,7 +216,7 @@ void main() {
     int sampled = next, first = max(next - REFILL, 0);
     first -= first % FIRST_STEP_MULTIPLE;
 #if BLOCKS
-    empty_block();
+    empty_block(first == 0);
     next = first;
     move_to_block(march, next);
     while (next < count) {
@@ -231,7 +231,7 @@ void main() {
     }
 #else
     empty_kernel();
-    empty_buffer();
+    empty_buffer(first == 0);
     int next_leap_test = next + STEPS_BETWEEN_LEAP_TESTS;
     int front = first - HALF_KERNEL;
     next = count;
