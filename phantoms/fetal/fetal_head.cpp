@@ -303,14 +303,15 @@ void HeadBuilder::subtract_cleft() {
   const double radius = 0.5 * shape_.cleft_width, base = shape_.subnasale;
   const glm::dvec3 edge = shape_.cleft();
   const double side = shape_.cleft_side;
-  constexpr int kGrooves = 8;
+  constexpr int kGrooves = 10;
   head_.skin.begin(Part::cleft);
   for (int groove = 0; groove < kGrooves; ++groove) {
-    const double depth = -1.5 + 0.6 * groove;
+    // Full lips reach farther to the front than what is below the nostril.
+    const double depth = -2.7 + 0.6 * groove, under_nose = std::max(depth, -1.5) + 0.8;
     head_.skin.subtract(
         Tube{{ball(edge.x, shape_.mouth() + 0.6, depth, 1.05 * radius),
               ball(edge.x, edge.y - 0.5, depth, radius),
-              ball(side * 2.4 * traits_.nose_width, base + 0.4, depth + 0.8, 0.45 * radius)}},
+              ball(side * 2.4 * traits_.nose_width, base + 0.4, under_nose, 0.45 * radius)}},
         mm(0.5));
   }
   if (shape_.cleft_alveolus <= 0) return;

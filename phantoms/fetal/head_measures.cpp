@@ -21,15 +21,22 @@ struct Ray {
   glm::dvec3 at(double distance) const { return origin + distance * direction; }
 };
 
-// First point of the surface on the ray, from either side of it.
+// First point of the surface on the ray, from either side of it. A distance to first order may lead
+// through the surface, above all from the middle of a hollow: then it is sought back in that step.
 glm::dvec3 first_point(const CsgBody& body, const Ray& ray) {
   constexpr double kNear_m = 1e-8, kReach_m = 0.2;
   constexpr int kSteps = 300;
   const double side = body.distance(ray.origin) < 0 ? -1 : 1;
-  double travelled = 0;
+  double before = 0, travelled = 0;
   for (int step = 0; step < kSteps && travelled < kReach_m; ++step) {
     const double gap = side * body.distance(ray.at(travelled));
+    if (gap < -kNear_m) {
+      const double middle = 0.5 * (before + travelled);
+      (side * body.distance(ray.at(middle)) < 0 ? travelled : before) = middle;
+      continue;
+    }
     if (gap < kNear_m) break;
+    before = travelled;
     travelled += 0.85 * gap;
   }
   return ray.at(travelled);
@@ -146,6 +153,8 @@ class HeadCalipers {
   void measure_cleft();
   void name_profile();
   void name_corners();
+  glm::dvec3 nose_tip() const;
+  glm::dvec3 mouth_corner(int side) const;
   double bone_length() const;
   // Of the right (+1) or left (-1) side: the point of `body` farthest out between two heights.
   glm::dvec3 widest(const CsgBody& body, double side, double from_y, double to_y, double z) const;
@@ -363,25 +372,59 @@ void HeadCalipers::measure_ears() {
   result_.measures[FaceMeasure::ear_eye_angle] = angle / 2;
 }
 
-// Between the edges of the lip, parallel to x: the narrowest from its front to 3 units behind.
+// Between the edges of the lip, parallel to x: the narrowest from the front of its farther side to
+// 3 units behind.
 void HeadCalipers::measure_cleft() {
-  constexpr int kSteps = 25;
-  glm::dvec3 middle = m(1) * shape_.cleft();
+  constexpr int kSteps = 16;
+  const glm::dvec3 middle = m(1) * shape_.cleft();
+  const double aside = 0.5 * m(std::max(shape_.cleft_width, shape_.cleft_alveolus) + 2);
+  const auto front = [&](double x) {
+    return first_point(head_.skin, {{x, middle.y, -m(16)}, {0, 0, 1}}).z;
+  };
+  const double lip = std::max(front(middle.x - aside), front(middle.x + aside));
   double width = m(20);
   for (int step = 0; step < kSteps; ++step) {
-    middle.z = m(-2 + 0.2 * step);
-    const glm::dvec3 right = first_point(head_.skin, {middle, {1, 0, 0}});
-    const glm::dvec3 left = first_point(head_.skin, {middle, {-1, 0, 0}});
+    const glm::dvec3 from{middle.x, middle.y, lip + m(0.2 * step)};
+    const glm::dvec3 right = first_point(head_.skin, {from, {1, 0, 0}});
+    const glm::dvec3 left = first_point(head_.skin, {from, {-1, 0, 0}});
     width = std::min(width, glm::distance(left, right));
   }
   other("cleft_width_mm", width / kMillimetre);
+}
+
+// Asymmetry and a cleft draw it out of the median plane.
+glm::dvec3 HeadCalipers::nose_tip() const {
+  const CsgBody skin = head_.skin.near({result_.landmarks.nose_tip_m, m(20)});
+  const auto at = [&](double x) {
+    return first_point(skin, {{x, result_.landmarks.nose_tip_m.y, -m(16)}, {0, 0, 1}});
+  };
+  return at(where_largest(-m(3), m(3), 12, [&](double x) { return -at(x).z; }));
+}
+
+// The end, seen from in front, of the line or opening between the lips. A full cheek covers the
+// line's own end. A little within it: the very end lies on the wall of the groove.
+glm::dvec3 HeadCalipers::mouth_corner(int side) const {
+  const glm::dvec3 end = head_.mouth_corner_m[side];
+  const CsgBody skin = head_.skin.near({end, m(24)});
+  const double inwards = -std::copysign(m(1), end.x);
+  const auto at = [&](double in, double y) {
+    return first_point(skin, {{end.x + in * inwards, y, -m(16)}, {0, 0, 1}});
+  };
+  const auto end_of_row = [&](double y) {
+    double in = -1.5;
+    while (in < 6 && skin.part_distance(at(in, y)).part != Part::mouth) in += 0.1;
+    return in;
+  };
+  const double row = where_largest(
+      end.y - m(2), end.y + m(1 + shape_.open), 15, [&](double y) { return -end_of_row(y); });
+  return at(end_of_row(row) + 0.3, row);
 }
 
 void HeadCalipers::name_profile() {
   const FetalLandmarks& found = result_.landmarks;
   point("vertex", first_point(head_.skin, {{0, -m(90), found.crown_m.z}, {0, 1, 0}}));
   point("nasion", skin_.at(nasion_.y));
-  point("pronasale", found.nose_tip_m);
+  point("pronasale", nose_tip());
   point("subnasale", found.subnasale_m);
   if (shape_.open == 0) point("stomion", found.mouth_m);
   point("labiale_superius", found.upper_lip_m);
@@ -392,7 +435,7 @@ void HeadCalipers::name_profile() {
   point("menton", found.menton_m);
 }
 
-// Corners of lids and mouth: the floors of their grooves. Ends of the ears. Left and right are the
+// Corners of lids (the floors of their grooves) and mouth. Ends of the ears. Left and right are the
 // child's: its left is at +x.
 void HeadCalipers::name_corners() {
   for (const int side : {0, 1}) {
@@ -405,9 +448,7 @@ void HeadCalipers::name_corners() {
     point(side == 0 ? "endocanthion_right" : "endocanthion_left",
           floor(head_.inner_corner_m[side]));
     point(side == 0 ? "exocanthion_right" : "exocanthion_left", floor(head_.outer_corner_m[side]));
-    const glm::dvec3 corner = head_.mouth_corner_m[side];
-    point(side == 0 ? "cheilion_right" : "cheilion_left",
-          first_point(head_.skin, {{corner.x, corner.y, -m(16)}, {0, 0, 1}}));
+    point(side == 0 ? "cheilion_right" : "cheilion_left", mouth_corner(side));
   }
 }
 

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <map>
@@ -331,6 +332,60 @@ TEST(Landmarks, OfASymmetricFaceAreMirrorImages) {
     EXPECT_LT(glm::distance(left, right * glm::dvec3(-1, 1, 1)), 0.2e-3) << name;
   }
   EXPECT_LT(points.at("endocanthion_left").x, points.at("exocanthion_left").x);
+}
+
+/// Points of the finished skin seen from in front about a point, with their labels.
+struct SeenSkin {
+  glm::dvec3 at{0};
+  Part part = Part::none;
+};
+std::vector<SeenSkin> skin_about(const Phantom& phantom, const glm::dvec3& middle, double half_m) {
+  const LabelFinder finder(phantom);
+  const int skin = index_of(phantom, "skin");
+  std::vector<SeenSkin> seen;
+  for (const double y : steps(middle.y - half_m, middle.y + half_m, 0.2e-3)) {
+    for (const double x : steps(middle.x - half_m, middle.x + half_m, 0.1e-3)) {
+      for (const double z : steps(middle.z - 6e-3, middle.z + 6e-3, 0.05e-3)) {
+        if (finder.enclosing({x, y, z}) != skin) continue;
+        seen.push_back({{x, y, z}, static_cast<Part>(finder.on_surface(skin, {x, y, z}))});
+        break;
+      }
+    }
+  }
+  return seen;
+}
+
+// By a search over the labels of the finished skin.
+TEST(Landmarks, CornersOfTheMouthAreTheEndsOfTheLineBetweenTheLips) {
+  for (const PhantomOptions& options :
+       std::vector<PhantomOptions>{{.identity = 4},
+                                   {.gestational_age_weeks = 30, .identity = 7},
+                                   {.identity = 8, .mouth_open_m = 5e-3}}) {
+    const Phantom face = upright(options);
+    const auto points = landmarks_of(face);
+    for (const double side : {-1.0, 1.0}) {
+      const char* name = side > 0 ? "cheilion_left" : "cheilion_right";
+      ASSERT_TRUE(points.contains(name)) << options.identity;
+      const glm::dvec3 corner = points.at(name);
+      double nearest_m = 1, outermost_m = 0;
+      for (const SeenSkin& seen : skin_about(face, corner, 2.5e-3)) {
+        if (seen.part != Part::mouth) continue;
+        nearest_m = std::min(nearest_m, glm::distance(seen.at, corner));
+        outermost_m = std::max(outermost_m, side * seen.at.x);
+      }
+      EXPECT_LT(nearest_m, 0.25e-3) << name << ", identity " << options.identity;
+      EXPECT_NEAR(outermost_m, side * corner.x, 0.6e-3)
+          << name << ", identity " << options.identity;
+    }
+  }
+}
+
+TEST(Landmarks, NothingOfTheNoseIsBeforeItsTip) {
+  const Phantom face = upright({.cleft_width_m = 6e-3});
+  const glm::dvec3 tip = landmarks_of(face).at("pronasale");
+  for (const SeenSkin& seen : skin_about(face, tip, 3e-3)) {
+    EXPECT_GT(seen.at.z, tip.z - 0.06e-3) << seen.at.x - tip.x << ' ' << seen.at.y - tip.y;
+  }
 }
 
 using LabelFile = testing_support::FolderTest;

@@ -22,6 +22,8 @@ constexpr double kOwnPoint_m = 0.3e-3;
 /// … and if it is the surface that the point is on, nearer than this: the rim of a groove that is
 /// narrower than any beam hides nothing.
 constexpr double kOwnRim_m = 1e-3;
+/// What a pixel shows at a depth farther than this from that of a point in it is another surface.
+constexpr double kOwnSkin_m = 3e-3;
 /// How near to a surface a point lies that is on it.
 constexpr double kOnSurface_m = 0.1e-3;
 /// Where it is asked what a crossing was entered from; more than the error of a crossing.
@@ -147,8 +149,9 @@ class LandmarkFinder {
     return at;
   }
 
-  /// Nothing lies before it on the picture's ray through it, and it has the depth of its pixel or
-  /// lies between its pixel and the next: at a rim it has neither.
+  /// Nothing lies before it on the picture's ray through it, its pixel shows the skin about it, and
+  /// it has the depth of that pixel or lies between it and the next. At a rim the pixel may show
+  /// nothing, or what is far behind.
   bool is_in_picture(const render::PicturePoint& at) const {
     const int size = camera_.image_size;
     if (column(at) < 0 || row(at) < 0 || column(at) >= size || row(at) >= size) return false;
@@ -157,6 +160,8 @@ class LandmarkFinder {
     if (at.depth_m < span.from_m || at.depth_m > span.to_m) return false;
     const auto first = surfaces_.first(ray);
     if (first && first->distance_m < at.depth_m - kOwnPoint_m) return false;
+    const auto shown_m = static_cast<double>(truth_.any_depth_m(column(at), row(at)));
+    if (!(std::abs(shown_m - at.depth_m) < kOwnSkin_m)) return false;
     double near_m = std::numeric_limits<double>::infinity(), far_m = -near_m;
     for (int r = std::max(row(at) - 1, 0); r <= std::min(row(at) + 1, size - 1); ++r) {
       for (int c = std::max(column(at) - 1, 0); c <= std::min(column(at) + 1, size - 1); ++c) {

@@ -1,6 +1,7 @@
 // Anomalies and expressions: their severity, measured on the surface.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
 
@@ -82,6 +83,54 @@ TEST(Anomaly, CleftIsAGapOfItsWidthOnItsSide) {
       EXPECT_NEAR(fluid / kMillimetre, value(child, "cleft_width_mm"), 0.6) << "at one depth";
       EXPECT_LT(child.solved.head.skin.distance({-middle, y, z}), 0) << "the other side is whole";
     }
+  }
+}
+
+/// Narrowest gap of the upper lip's edge, to 3 units behind the front of its farther side: by small
+/// steps, and only by what is inside the skin.
+double lip_gap_m(const FetalChild& child) {
+  constexpr double kStep_m = 0.02e-3, kFarthest_m = 7e-3;
+  const HeadShape& shape = child.solved.shape;
+  const double x = shape.unit_m * 2.6, y = shape.unit_m * (shape.upper_lip + 0.6);
+  double narrowest_m = 1, end_m = 10e-3;
+  for (double z = -10e-3; z < end_m; z += 0.2e-3) {
+    double gap_m = 0;
+    bool ends = true;
+    for (const double along : {-1.0, 1.0}) {
+      double off_m = 0;
+      while (off_m < kFarthest_m &&
+             child.solved.head.skin.distance({x + along * off_m, y, z}) > 0) {
+        off_m += kStep_m;
+      }
+      gap_m += off_m;
+      ends &= off_m < kFarthest_m;
+    }
+    if (!ends) continue;
+    narrowest_m = std::min(narrowest_m, gap_m);
+    end_m = std::min(end_m, z + 3 * shape.unit_m);
+  }
+  return narrowest_m;
+}
+
+TEST(Anomaly, CleftMeasuresWhatTheFinishedLipHas) {
+  struct Case {
+    double weeks;
+    std::uint64_t identity;
+    double width_mm, alveolus_mm;
+  };
+  for (const Case& of : {Case{21, 0, 4, 4},
+                         Case{30, 7, 4, 4},
+                         Case{30, 30, 4, 4},
+                         Case{24, 3, 6, 5},
+                         Case{21, 1, 1, 0},
+                         Case{30, 14, 2, 0}}) {
+    PhantomOptions options{.gestational_age_weeks = of.weeks, .identity = of.identity};
+    options.cleft_width_m = of.width_mm * kMillimetre;
+    options.cleft_alveolus_m = of.alveolus_mm * kMillimetre;
+    const FetalChild child = make_child(options);
+    const double measured_mm = value(child, "cleft_width_mm");
+    EXPECT_NEAR(measured_mm, lip_gap_m(child) / kMillimetre, 0.25) << "identity " << of.identity;
+    EXPECT_NEAR(measured_mm, of.width_mm, 0.6) << "identity " << of.identity;
   }
 }
 

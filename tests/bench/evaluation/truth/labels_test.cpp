@@ -239,6 +239,24 @@ TEST(LabelTruth, LandmarksThatThePictureShowsLieAtTheDepthOfTheirPixels) {
   }
 }
 
+// The ears' ends lie at the rim of the picture's head.
+TEST(LabelTruth, PixelsOfLandmarksThatThePictureShowsHaveTheSkin) {
+  int ears = 0;
+  for (const int identity : {0, 2, 3, 6, 9}) {
+    const Seen seen = look({"phantom.identity=" + std::to_string(identity)});
+    for (const SeenLandmark& landmark : seen.labels.landmarks) {
+      if (!landmark.in_picture) continue;
+      ears += landmark.name.find("aurale") != std::string::npos;
+      const auto shown_m = static_cast<double>(
+          seen.truth.crossing_m.at(static_cast<int>(std::lround(landmark.at.column)),
+                                   static_cast<int>(std::lround(landmark.at.row))));
+      EXPECT_LT(std::abs(shown_m - landmark.at.depth_m), 3e-3) << landmark.name << ' ' << identity;
+      EXPECT_FALSE(std::isnan(shown_m)) << landmark.name << ' ' << identity;
+    }
+  }
+  EXPECT_GE(ears, 3);
+}
+
 TEST(LabelTruth, LandmarksAreVisibleWhereTheMarchMeetsNothing) {
   for (const Seen* seen : {&bare_face(), &with_hand()}) {
     const Tissue tissue(seen->scene.subject().value());
