@@ -102,11 +102,36 @@ WOBBLEBENCH_SIMD void fill_levels(double narrow,
 /// where the axis loses nothing.
 constexpr double kEvenNepers = 0.1;
 
+/// Interfaces that pass more have no front: half of their echo, behind them, loses less than 2 dB.
+constexpr double kFrontTransmission = 0.8;
+
+/// Length of a front: a beam of this half width meets an oblique interface over a range that grows
+/// with the tangent of its incidence.
+double front_m(double cos_incidence) {
+  constexpr double kHalfWidth_m = 3e-3, kMost_m = 12e-3;
+  const double cosine = std::clamp(cos_incidence, 0.1, 1.0);
+  return std::clamp(kHalfWidth_m * std::sqrt(1 - cosine * cosine) / cosine,
+                    StickLosses::kBehindInterface_m,
+                    kMost_m);
+}
+
 double reflected_nepers(double transmission) {
   return -std::log(std::max(transmission, TissueLosses::kLeastTransmission));
 }
 
 }  // namespace
+
+const InterfaceFront* front_at(std::span<const InterfaceFront> fronts,
+                               phantoms::MaterialIndex before,
+                               phantoms::MaterialIndex behind,
+                               int sample) {
+  const InterfaceFront* found = nullptr;
+  for (const InterfaceFront& front : fronts) {
+    if (front.before != before || front.behind != behind) continue;
+    if (front.first <= sample && sample < front.end) found = &front;
+  }
+  return found;
+}
 
 StickLosses::StickLosses(const hw::AcquisitionPlan& plan,
                          const SimulationOptions& options,
@@ -132,6 +157,7 @@ void StickLosses::compute(const StickTrack& track, const ApertureCorrection& cor
   frequency_ratio_.clear();
   delay_m_.clear();
   at_interface_.assign(track.interfaces.size(), 0);
+  fronts_.clear();
   apparent_from_m_.clear();
   if (!correction.empty()) find_losses_at_nodes(track);
   keep_ = 0;
@@ -197,10 +223,19 @@ double StickLosses::level(const PathState& path, double true_m) const {
 void StickLosses::cross(const StickTrack& track, std::size_t interface, PathState& path) {
   const Interface& crossed = track.interfaces[interface];
   at_interface_[interface] = level(path, crossed.range_m);
-  if (at_interface_[interface] > visible_) {
-    keep_ = samples_before(path.apparent_m + kBehindInterface_m);
-  }
   const double through = tissue_.transmission(crossed);
+  if (at_interface_[interface] > visible_) {
+    keep_ = std::max(keep_, samples_before(path.apparent_m + kBehindInterface_m));
+    if (through < kFrontTransmission) {
+      const int end = samples_before(path.apparent_m + front_m(crossed.cos_incidence));
+      fronts_.push_back({crossed.before,
+                         crossed.behind,
+                         samples_before(path.apparent_m),
+                         end,
+                         static_cast<float>(at_interface_[interface])});
+      keep_ = std::max(keep_, end);
+    }
+  }
   path.lost = path.lost || through < TissueLosses::kLeastTransmission;
   path.transmitted *= std::max(through, TissueLosses::kLeastTransmission);
   path.reflected += reflected_nepers(through);
@@ -325,7 +360,9 @@ void StickLosses::trim() {
     visible_samples_ = static_cast<int>(remaining_.rend() - last);
     remaining_.resize(std::min(size, static_cast<std::size_t>(std::max(visible_samples_, keep_))));
   }
-  visible_samples_ = std::min(visible_samples_, static_cast<int>(remaining_.size()));
+  const auto size = static_cast<int>(remaining_.size());
+  visible_samples_ = std::min(visible_samples_, size);
+  for (InterfaceFront& front : fronts_) front.end = std::min(front.end, size);
   if (absorbs_) frequency_ratio_.resize(remaining_.size());
   if (options_.tissue_sound_speed) delay_m_.resize(remaining_.size());
 }

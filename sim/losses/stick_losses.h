@@ -23,6 +23,22 @@ struct ApertureCorrection {
   bool empty() const { return log_gain.empty(); }
 };
 
+/// The samples just behind an interface that loses much, where the beam still hears what lies
+/// before it: parts of the same interface beside the axis, which are farther away.
+struct InterfaceFront {
+  phantoms::MaterialIndex before;
+  phantoms::MaterialIndex behind;
+  int first;  ///< samples
+  int end;
+  float remaining;  ///< two-way amplitude before the interface
+};
+
+/// The last of the fronts of such an interface that contains a sample; null: none.
+const InterfaceFront* front_at(std::span<const InterfaceFront> fronts,
+                               phantoms::MaterialIndex before,
+                               phantoms::MaterialIndex behind,
+                               int sample);
+
 /// The amplitude that remains along a stick, and the apparent ranges: the ranges that the scanner
 /// computes from the time of flight with one assumed sound speed. Samples lie at the apparent
 /// ranges (i + 1/2) * spacing_m. Holds the working memory of one thread.
@@ -54,6 +70,8 @@ class StickLosses {
   const std::vector<float>& frequency_ratio() const { return frequency_ratio_; }
   /// Two-way amplitude that remains at each interface of the track; 0 beyond the last sample.
   const std::vector<double>& at_interface() const { return at_interface_; }
+  /// The fronts within remaining(), nearest first.
+  const std::vector<InterfaceFront>& fronts() const { return fronts_; }
   /// Apparent minus true range at each sample of remaining(); empty where sound has one speed.
   const std::vector<float>& delay_m() const { return delay_m_; }
   /// Apparent range of a true range.
@@ -111,6 +129,7 @@ class StickLosses {
   std::vector<float> remaining_;
   std::vector<float> frequency_ratio_;
   std::vector<double> at_interface_;
+  std::vector<InterfaceFront> fronts_;
   std::vector<float> delay_m_;
   std::vector<double> apparent_from_m_;  ///< of each stretch
 };

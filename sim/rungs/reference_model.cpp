@@ -122,7 +122,14 @@ void ReferenceScene::add_points(const StickPath& path,
                                 glm::dot(from_face, across.elevation));
     const double delay_m =
         path.delay_m.empty() ? 0 : at_range(path.delay_m, path.spacing_m, position_m.x);
-    const double left = at_range(path.remaining, path.spacing_m, position_m.x + delay_m);
+    const InterfaceFront* front =
+        front_at(path.fronts,
+                 point.interface.before,
+                 point.interface.behind,
+                 static_cast<int>((position_m.x + delay_m) / path.spacing_m + 0.5));
+    const double left = front != nullptr
+                            ? static_cast<double>(front->remaining)
+                            : at_range(path.remaining, path.spacing_m, position_m.x + delay_m);
     const double amplitude = left * static_cast<double>(point.amplitude) / on_axis(position_m.x);
     const double frequency_ratio =
         path.frequency_ratio.empty()

@@ -23,14 +23,17 @@ double fastest_ratio(const ScannedTissue& tissue, const hw::AcquisitionPlan& pla
 }  // namespace
 
 StickPath visible_path(const TimedRay& line, double spacing_m, const StickLosses& losses) {
-  const auto count = static_cast<std::size_t>(losses.visible_samples());
+  int last = losses.visible_samples();
+  for (const InterfaceFront& front : losses.fronts()) last = std::max(last, front.end);
+  const auto count = static_cast<std::size_t>(last);
   const std::span<const float> delay_m = losses.delay_m();
   const std::span<const float> frequency_ratio = losses.frequency_ratio();
   return {line,
           spacing_m,
           std::span(losses.remaining()).first(count),
           delay_m.empty() ? delay_m : delay_m.first(count),
-          frequency_ratio.empty() ? frequency_ratio : frequency_ratio.first(count)};
+          frequency_ratio.empty() ? frequency_ratio : frequency_ratio.first(count),
+          losses.fronts()};
 }
 
 StickPropagation::StickPropagation(const ScannedTissue& tissue,

@@ -194,12 +194,14 @@ class Reflection(scan.Worst):
         angle = numpy.degrees(numpy.arccos(along[..., 2]))
         range_mm = (110 - origin[..., 2]) / along[..., 2]
         length = math.sqrt(math.pi) * PRESETS["standard"].axial_fwhm * 1e3 / math.sqrt(8 * math.log(2))
-        for name, rung in (("field", FIELD), ("scatterers", MAIN_LOBE)):
+        variants = [(rung_name + kind, rung, losses) for rung_name, rung in (("field", FIELD), ("scatterers", MAIN_LOBE))
+                    for kind, losses in (("", self.ONLY_FACES), (".lossy", {}))]  # what bone takes is missing behind its face, not from it
+        for name, rung, losses in variants:
             energies = []
             for echo in (True, False):  # less what the bone behind its face echoes
                 scene = {"simulation.interface_echo": echo}
                 plan = scan.grid(lines, 30 / (lines - 1), frames, 90 / (frames - 1), depth, 1050)
-                volumes = [power(slab, self.ONLY_FACES, rung, plan, scene, {"simulation.seed": seed}) for seed in (1, 2, 3)]
+                volumes = [power(slab, losses, rung, plan, scene, {"simulation.seed": seed}) for seed in (1, 2, 3)]
                 energies.append(numpy.mean(volumes, 0).sum(-1) * depth / volumes[0].shape[-1] / length)
             energy = energies[0] - energies[1]
             for low in (8, 11, 14, 17, 20):

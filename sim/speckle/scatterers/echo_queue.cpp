@@ -89,15 +89,31 @@ void EchoQueue::tabulate_delays() {
 }
 
 void EchoQueue::add_delays() {
+  for (std::size_t i = 0; i < pending_; ++i) range_m_[i] += delay_at(range_m_[i]);
+}
+
+float EchoQueue::delay_at(float range_m) const {
   const float per_m = static_cast<float>(1 / path_->spacing_m);
   const int last = static_cast<int>(delay_m_.size()) - 2;
-  for (std::size_t i = 0; i < pending_; ++i) {
-    const float position = std::max(0.0f, range_m_[i] * per_m);
-    const int before = std::clamp(static_cast<int>(position), 0, last);
-    const float* delay = delay_m_.data() + before;
-    const float share = std::min(position - static_cast<float>(before), 1.0f);
-    range_m_[i] += delay[0] + share * (delay[1] - delay[0]);
-  }
+  const float position = std::max(0.0f, range_m * per_m);
+  const int before = std::clamp(static_cast<int>(position), 0, last);
+  const float* delay = delay_m_.data() + before;
+  const float share = std::min(position - static_cast<float>(before), 1.0f);
+  return delay[0] + share * (delay[1] - delay[0]);
+}
+
+float EchoQueue::front_gain(const CrossedInterface& interface, float& range_m) const {
+  constexpr float kFromEnd = 0.01F;  // far more than the rounding of a position
+  if (path_->fronts.empty()) return 1;
+  const auto spacing_m = static_cast<float>(path_->spacing_m);
+  const float apparent_m = range_m + (delay_m_.empty() ? 0.0f : delay_at(range_m));
+  const float position = apparent_m / spacing_m, sample = std::floor(position);
+  const InterfaceFront* front =
+      front_at(path_->fronts, interface.before, interface.behind, static_cast<int>(sample));
+  if (front == nullptr) return 1;
+  const float within = std::clamp(position - sample, kFromEnd, 1 - kFromEnd);
+  range_m += (sample + within - position) * spacing_m;
+  return front->remaining / path_->remaining[static_cast<std::size_t>(sample)];
 }
 
 }  // namespace wobblebench::sim

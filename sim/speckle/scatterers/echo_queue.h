@@ -12,6 +12,7 @@
 
 namespace wobblebench::sim {
 
+struct CrossedInterface;
 struct ScattererScene;
 struct StickBeam;
 struct StickPath;
@@ -31,6 +32,9 @@ class EchoQueue {
   void begin(const ScattererScene& scene, const StickPath& path);
   /// Memory for `count` scatterers, plus kCompactionWidth, to be filled before commit().
   ProjectedScatterers reserve(std::size_t count);
+  /// Factor on an echo of an interface at a range that undoes the interface's own loss, which the
+  /// bins apply. Moves the range by less than 0.01 samples, away from the ends of its bin.
+  float front_gain(const CrossedInterface& interface, float& range_m) const;
   /// Appends the first `count` scatterers written to the reserved memory. Computes echoes when a
   /// batch is complete.
   void commit(int count);
@@ -41,6 +45,7 @@ class EchoQueue {
   void make_echoes();
   void tabulate_delays();
   void add_delays();
+  float delay_at(float range_m) const;
 
   const ScattererScene* scene_ = nullptr;
   const StickPath* path_ = nullptr;

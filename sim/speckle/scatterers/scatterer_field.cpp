@@ -72,13 +72,13 @@ class ScattererSearch {
     const glm::dvec3 beam = transform_.to_beam(rest);
     if (!within_beam(beam, cell)) return;
     const glm::dvec3 along = transform_.to_rest(beam + glm::dvec3(1e-4, 0, 0)) - rest;
+    const ScattererEcho echo = scene_.blocks.echo_at(
+        block, cell.octave, cell.number, scatterer, glm::vec3(glm::normalize(along)));
     const float amplitude =
         scatterer_sign(scatterer_bits(cell.key, static_cast<std::uint32_t>(scatterer))) *
-        gain(cell).amplitude(scatterer) *
-        scene_.blocks.amplitude_at(
-            block, cell.octave, cell.number, scatterer, glm::vec3(glm::normalize(along)));
+        gain(cell).amplitude(scatterer) * echo.amplitude;
     if (amplitude == 0) return;
-    found.push_back({scene_.tissue.from_rest(rest, line_.time_s), amplitude});
+    found.push_back({scene_.tissue.from_rest(rest, line_.time_s), amplitude, echo.interface});
   }
 
   bool within_beam(const glm::dvec3& beam, const HashCell& cell) const {

@@ -17,8 +17,10 @@
 #include <utility>
 #include <vector>
 
+#include "sim/losses/stick_losses.h"
 #include "sim/optics/beam_table.h"
 #include "sim/options.h"
+#include "sim/speckle/scatterers/tissue_blocks.h"
 #include "sim/tissue/scanned_tissue.h"
 
 namespace wobblebench::sim {
@@ -34,12 +36,14 @@ struct StickPath {
   std::span<const float> delay_m;
   /// BandLoss::frequency_ratio(); empty: 1 everywhere (no absorption).
   std::span<const float> frequency_ratio = {};
+  std::span<const InterfaceFront> fronts = {};
 };
 
 /// A point scatterer at one moment.
 struct PointEcho {
   glm::dvec3 position_m{0};  ///< probe frame
   float amplitude = 0;       ///< of the echo that it would have on the axis at its range
+  CrossedInterface interface = {};
 };
 
 /// Choices within the scatterer rungs. The defaults are those of the rung `scatterers` without

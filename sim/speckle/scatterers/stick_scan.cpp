@@ -305,11 +305,14 @@ void StickScan::project_mixed(HashCellQueue& queue,
   for (int i = 0; i < mixed.hit_count; ++i) {
     const InterfaceHit& hit = buffers_.hits[static_cast<std::size_t>(i)];
     const auto cell = static_cast<std::size_t>(hit.cell);
+    const ScattererEcho echo =
+        scene_.blocks.interface_echo(*queue.blocks[cell],
+                                     *queue.mixed[cell],
+                                     hit.scatterer,
+                                     direction ? *direction : queue.directions[cell]);
+    float& range_m = projected.range_m[hit.projected];
     projected.amplitude[hit.projected] *=
-        scene_.blocks.interface_amplitude(*queue.blocks[cell],
-                                          *queue.mixed[cell],
-                                          hit.scatterer,
-                                          direction ? *direction : queue.directions[cell]);
+        echo.amplitude * echoes.front_gain(echo.interface, range_m);
   }
   echoes.commit(count);
   queue.count = 0;

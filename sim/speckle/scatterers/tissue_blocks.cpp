@@ -252,36 +252,37 @@ const BlockCells& TissueBlocks::cells_of(int mixed) const {
   return *made.release();
 }
 
-float TissueBlocks::interface_power(const InterfaceScatterer& scatterer,
-                                    const glm::vec3& direction) const {
-  const float along = glm::dot(scatterer.outwards, direction);
-  const auto before = static_cast<std::size_t>(along < 0 ? scatterer.outside : scatterer.inside);
-  const auto behind = static_cast<std::size_t>(along < 0 ? scatterer.inside : scatterer.outside);
-  const float position = std::min(std::abs(along), 1.0f) * kCosines;
+float TissueBlocks::interface_power(const CrossedInterface& crossed, float cosine) const {
+  const auto before = static_cast<std::size_t>(crossed.before);
+  const auto behind = static_cast<std::size_t>(crossed.behind);
+  const float position = std::min(std::abs(cosine), 1.0f) * kCosines;
   const int i = std::min(static_cast<int>(position), kCosines - 1);
   const float* value =
       interface_power_.data() + (before * power_.size() + behind) * (kCosines + 1) + i;
   return value[0] + (position - static_cast<float>(i)) * (value[1] - value[0]);
 }
 
-float TissueBlocks::interface_amplitude(const BlockCells& cells,
-                                        const MixedCell& cell,
-                                        int scatterer,
-                                        const glm::vec3& direction) const {
+ScattererEcho TissueBlocks::interface_echo(const BlockCells& cells,
+                                           const MixedCell& cell,
+                                           int scatterer,
+                                           const glm::vec3& direction) const {
   const int before = popcount16(cell.near_interface & ((1u << scatterer) - 1));
   const InterfaceScatterer& found =
       cells.interfaces[static_cast<std::size_t>(cell.first_interface + before)];
-  return std::sqrt(found.power + interface_power(found, direction));
+  const float along = glm::dot(found.outwards, direction);
+  const CrossedInterface crossed = along < 0 ? CrossedInterface{found.outside, found.inside}
+                                             : CrossedInterface{found.inside, found.outside};
+  return {std::sqrt(found.power + interface_power(crossed, along)), crossed};
 }
 
-float TissueBlocks::amplitude_at(
+ScattererEcho TissueBlocks::echo_at(
     const Block& block, int octave, int cell, int scatterer, const glm::vec3& direction) const {
   const int found = code(block, octave, cell);
-  if (found >= 0) return amplitude(found);
+  if (found >= 0) return {amplitude(found)};
   const MixedCell& mixed = mixed_cell(block, found);
   const bool near_interface = (mixed.near_interface >> scatterer & 1u) != 0;
-  return near_interface ? interface_amplitude(*block.mixed, mixed, scatterer, direction)
-                        : mixed.amplitude[scatterer];
+  return near_interface ? interface_echo(*block.mixed, mixed, scatterer, direction)
+                        : ScattererEcho{mixed.amplitude[scatterer]};
 }
 
 }  // namespace wobblebench::sim

@@ -38,6 +38,16 @@ struct InterfaceScatterer {
   glm::vec3 outwards;  ///< unit normal
 };
 
+/// A rough interface in the direction of propagation.
+struct CrossedInterface {
+  phantoms::MaterialIndex before = -1;  ///< -1: none
+  phantoms::MaterialIndex behind = -1;
+};
+struct ScattererEcho {
+  float amplitude = 0;
+  CrossedInterface interface = {};  ///< to which it belongs
+};
+
 /// The tissue of a hash cell.
 enum class CellKind : std::uint8_t { anechoic, homogeneous, mixed };
 
@@ -100,14 +110,14 @@ class TissueBlocks {
   float amplitude(phantoms::MaterialIndex material) const {
     return amplitude_[static_cast<std::size_t>(material)];
   }
-  /// Amplitude of a mixed cell's scatterer near a rough interface. `direction`: of propagation, in
-  /// the rest frame.
-  float interface_amplitude(const BlockCells& cells,
-                            const MixedCell& cell,
-                            int scatterer,
-                            const glm::vec3& direction) const;
-  /// Amplitude of any scatterer of any hash cell.
-  float amplitude_at(
+  /// Echo of a mixed cell's scatterer near a rough interface. `direction`: of propagation, in the
+  /// rest frame.
+  ScattererEcho interface_echo(const BlockCells& cells,
+                               const MixedCell& cell,
+                               int scatterer,
+                               const glm::vec3& direction) const;
+  /// Echo of any scatterer of any hash cell.
+  ScattererEcho echo_at(
       const Block& block, int octave, int cell, int scatterer, const glm::vec3& direction) const;
 
  private:
@@ -119,7 +129,7 @@ class TissueBlocks {
   void tabulate_interfaces(const std::vector<phantoms::Material>& materials);
   void classify_blocks(int threads);
   const BlockCells& cells_of(int mixed) const;
-  float interface_power(const InterfaceScatterer& scatterer, const glm::vec3& direction) const;
+  float interface_power(const CrossedInterface& crossed, float cosine) const;
 
   std::shared_ptr<const TissueMap> map_;
   double side_m_ = 0;
