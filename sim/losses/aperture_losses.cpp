@@ -78,6 +78,7 @@ class CorrectionMaker {
       ConeMean mean = cone_mean();
       for (int frame = first; frame < last; ++frame) {
         mean.add_elevation(frame, parts_, of_frame(frame, log_gain));
+        mean.lift_lone_sticks(frame, of_frame(frame, log_gain));
       }
     });
   }

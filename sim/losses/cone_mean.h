@@ -62,6 +62,10 @@ class ConeMean {
   /// for all frames; follow() must have computed those within BeamSection::most_frames().
   void add_elevation(int frame, std::span<const float> parts, std::span<float> log_gain);
 
+  /// Limits how far a stick lies below both neighbours of its frame, as results of add_elevation()
+  /// have them, where all three were in one material on the step to a node.
+  void lift_lone_sticks(int frame, std::span<float> log_gain) const;
+
   /// True if the losses differ anywhere within reach of a frame's paths and sample points.
   bool differs(int frame) const { return first_differing(frame) < grid_.nodes; }
 
@@ -73,6 +77,7 @@ class ConeMean {
   };
 
   int first_differing(int frame) const;
+  bool share_material(int node, int frame, int line) const;
   void find_differing(int frame);
   void follow_to(int node, int frame);
   void load_axis(int from, int frame);
