@@ -105,16 +105,6 @@ constexpr double kEvenNepers = 0.1;
 /// Interfaces that pass more have no front: half of their echo, behind them, loses less than 2 dB.
 constexpr double kFrontTransmission = 0.8;
 
-/// Length of a front: a beam of this half width meets an oblique interface over a range that grows
-/// with the tangent of its incidence.
-double front_m(double cos_incidence) {
-  constexpr double kHalfWidth_m = 3e-3, kMost_m = 12e-3;
-  const double cosine = std::clamp(cos_incidence, 0.1, 1.0);
-  return std::clamp(kHalfWidth_m * std::sqrt(1 - cosine * cosine) / cosine,
-                    StickLosses::kBehindInterface_m,
-                    kMost_m);
-}
-
 double reflected_nepers(double transmission) {
   return -std::log(std::max(transmission, TissueLosses::kLeastTransmission));
 }
@@ -225,15 +215,13 @@ void StickLosses::cross(const StickTrack& track, std::size_t interface, PathStat
   at_interface_[interface] = level(path, crossed.range_m);
   const double through = tissue_.transmission(crossed);
   if (at_interface_[interface] > visible_) {
-    keep_ = std::max(keep_, samples_before(path.apparent_m + kBehindInterface_m));
+    keep_ = samples_before(path.apparent_m + kBehindInterface_m);
     if (through < kFrontTransmission) {
-      const int end = samples_before(path.apparent_m + front_m(crossed.cos_incidence));
       fronts_.push_back({crossed.before,
                          crossed.behind,
                          samples_before(path.apparent_m),
-                         end,
+                         keep_,
                          static_cast<float>(at_interface_[interface])});
-      keep_ = std::max(keep_, end);
     }
   }
   path.lost = path.lost || through < TissueLosses::kLeastTransmission;
