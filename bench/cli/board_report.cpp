@@ -1,61 +1,39 @@
 #include "bench/cli/board_report.h"
 
 #include <algorithm>
-#include <array>
+#include <cmath>
 #include <nlohmann/json.hpp>
-#include <utility>
 
 #include "base/number_text.h"
 #include "bench/output/report_parts.h"
+#include "bench/results/counts.h"
 
 namespace wobblebench::bench {
 
 using Json = nlohmann::ordered_json;
 
-namespace {
-
-using LossCount = std::pair<std::string, std::uint64_t>;
-
-/// Every cause, with its name in reports.
-std::array<LossCount, 4> losses_by_cause(const hw::BoardAccount& account) {
-  return {{{"ring_full", account.lost.ring_full},
-           {"link", account.lost.link},
-           {"corrupt", account.lost.corrupt},
-           {"out_of_order", account.lost.out_of_order}}};
-}
-
-}  // namespace
-
 std::string losses_text(const hw::BoardAccount& account) {
   std::string text;
-  for (const auto& [cause, count] : losses_by_cause(account)) {
-    if (count != 0) text += ", " + std::to_string(count) + " lost: " + cause;
+  for (const MeasuredValue& one : described(account)) {
+    const bool is_loss = one.name.starts_with("lost") && one.value > 0;
+    if (is_loss) text += ", " + fixed(one.value, 0) + " " + one.measure->title;
   }
   return text;
 }
 
 Table board_table(const hw::BoardAccount& account) {
-  Table table{.name = "board",
-              .caption = "Sticks by what became of them",
-              .columns = {{"what"}, {"sticks"}, {"percent", "of those emitted", "%", 3}}};
-  const auto add = [&](const std::string& what, std::uint64_t count) {
-    const double all = static_cast<double>(account.emitted);
-    table.add({what, count, 100 * static_cast<double>(count) / all});
-  };
-  add("emitted", account.emitted);
-  add("delivered", account.delivered);
-  for (const auto& [cause, count] : losses_by_cause(account)) add("lost: " + cause, count);
-  add("duplicates", account.duplicates);
-  return table;
+  const double all = static_cast<double>(account.emitted);
+  using M = MeasuredValue;
+  return table_of<M>({.name = "board", .caption = "Sticks by what became of them"},
+                     described(account),
+                     {{{"what"}, [](const M& of) { return of.measure->title; }},
+                      {{"sticks"}, [](const M& of) { return std::llround(of.value); }},
+                      {{"percent", "of those emitted", "%", 3},
+                       [&](const M& of) { return 100 * of.value / all; }}});
 }
 
 Json account_json(const hw::BoardAccount& account) {
-  Json lost;
-  for (const auto& [cause, count] : losses_by_cause(account)) lost[cause] = count;
-  return {{"emitted", account.emitted},
-          {"delivered", account.delivered},
-          {"lost", lost},
-          {"duplicates", account.duplicates}};
+  return to_json(described(account));
 }
 
 Json link_json(const hw::LinkCapabilities& link) {

@@ -5,6 +5,8 @@
 
 #include "bench/evaluation/measures/picture_measures.h"
 #include "bench/output/document/table.h"
+#include "bench/results/counts.h"
+#include "bench/results/times.h"
 #include "bench/scene/scene.h"
 
 namespace wobblebench::bench {
@@ -14,14 +16,24 @@ namespace {
 /// docs/measures.md has it.
 std::string measures_text() {
   using M = const Measure*;
-  std::string text = markdown(
-      table_of<M>({.caption = "# Measures\n\nWhat is measured of a picture against the truth, "
-                              "by the names of `--limit`."},
-                  picture_measures(),
-                  {{{"figure"}, [](M of) { return Cell::code(of->key); }},
-                   {{"name"}, [](M of) { return of->title; }},
-                   {{"unit"}, [](M of) { return unit_of(of->key).name; }},
-                   {{"what"}, [](M of) { return of->help; }}}));
+  const auto section = [](const char* caption, Chosen measures) {
+    return markdown(table_of<M>({.caption = caption},
+                                measures,
+                                {{{"figure"}, [](M of) { return Cell::code(of->key); }},
+                                 {{"name"}, [](M of) { return of->title; }},
+                                 {{"unit"}, [](M of) { return unit_of(of->key).name; }},
+                                 {{"what"}, [](M of) { return of->help; }}}));
+  };
+  std::string text =
+      section(
+          "# Measures\n\nWhat is measured of a picture against the truth, by the names of "
+          "`--limit`.",
+          picture_measures()) +
+      section(
+          "\n## Times\n\n`stream` has `p50_ms` to `n` of `age_oldest`, `age_newest`, "
+          "`ready_to_written` and `interval`, between pictures: `age_oldest_p99_ms`.",
+          times::kAll) +
+      section("\n## Counts", counts::kAll);
   text.pop_back();  // CLI11 ends it with a line of its own
   return text;
 }
@@ -31,7 +43,8 @@ std::string measures_text() {
 std::vector<Command> add_commands(CLI::App& app) {
   app.require_subcommand(1);
   const auto print = [] { throw CLI::CallForVersion(measures_text(), CLI::ExitCodes::Success); };
-  app.add_flag_callback("--measures", print, "Print the figures of a picture")->trigger_on_parse();
+  app.add_flag_callback("--measures", print, "Print the figures, and what they are")
+      ->trigger_on_parse();
   std::vector<Command> commands = {
       add_run_command(app),         add_score_command(app),    add_compare_command(app),
       add_stream_command(app),      add_live_command(app),     add_latency_command(app),

@@ -24,11 +24,14 @@ namespace {
 Json to_json(const SuiteRun& run) {
   Json checks = Json::array();
   for (const CheckOutcome& outcome : run.outcomes) {
+    const bool skipped = outcome.kind == CheckOutcome::Kind::skipped;
+    const bool passed = outcome.kind == CheckOutcome::Kind::passed;
     checks.push_back({{"board", run.board},
                       {"faults", run.faults.empty() ? Json(nullptr) : Json(run.faults)},
                       {"name", outcome.name},
                       {"rule", outcome.rule},
                       {"outcome", to_string(outcome.kind)},
+                      {"held", skipped ? Json(nullptr) : Json(passed)},
                       {"detail", outcome.detail}});
   }
   return checks;
@@ -175,13 +178,12 @@ std::string conformance_summary(const ConformanceFindings& findings) {
 }
 
 /// Each check of each board, and whether each broken board was caught, for --junit.
-std::vector<TestCase> test_cases(const ConformanceFindings& findings) {
-  std::vector<TestCase> cases;
+std::vector<Check> test_cases(const ConformanceFindings& findings) {
+  std::vector<Check> cases;
   for (const SuiteRun& run : findings.runs) {
     const std::string with = run.faults.empty() ? "" : " with " + run.faults;
     for (const CheckOutcome& outcome : run.outcomes) {
-      TestCase& test =
-          cases.emplace_back(TestCase{"conformance." + run.board + with, outcome.name});
+      Check& test = cases.emplace_back(Check{"conformance." + run.board + with, outcome.name});
       const bool passed = outcome.kind == CheckOutcome::Kind::passed;
       const bool failed = outcome.kind == CheckOutcome::Kind::failed;
       (passed ? test.output : failed ? test.failure : test.skipped) = outcome.detail;

@@ -35,7 +35,10 @@ using Json = nlohmann::ordered_json;
 constexpr std::size_t kMostListed = 10;
 
 Json check_json(const std::string& name, bool passed, const std::string& detail) {
-  return {{"name", name}, {"outcome", passed ? "passed" : "failed"}, {"detail", detail}};
+  return {{"name", name},
+          {"outcome", passed ? "passed" : "failed"},
+          {"held", passed},
+          {"detail", detail}};
 }
 
 std::string count(std::uint64_t number, const std::string& what) {

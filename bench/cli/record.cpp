@@ -17,6 +17,7 @@
 #include "base/user_error.h"
 #include "bench/cache/phantom_cache.h"
 #include "bench/cli/board_report.h"
+#include "bench/cli/run/run_page.h"
 #include "bench/command/commands.h"
 #include "bench/command/common_options.h"
 #include "bench/command/program.h"
@@ -186,40 +187,25 @@ std::string record_summary(const RecordResult& result, const std::filesystem::pa
     text << "simulator   " << sim::to_string(result.fidelity->rung) << ": "
          << result.fidelity->reason << "\n";
   }
-  text << "recording   " << (folder / kRecordingName).string() << "\n";
+  text << "samples     from " << hw::to_string(result.link.origin) << "; "
+       << display_scale_text(progress.configuration.value().display_scale) << "\n"
+       << "recording   " << (folder / kRecordingName).string() << "\n";
   if (result.with_iq) text << "IQ samples  " << (folder / kIqName).string() << "\n";
   return text.str();
 }
 
-Document record_document(const RecordResult& result) {
+Document record_document(const RecordResult& result, const std::string& summary) {
   const hw::RecordingProgress& progress = result.progress;
-  const hw::BoardAccount& account = progress.account;
-  const hw::DisplayScale& scale = progress.configuration.value().display_scale;
   Table table{.name = "account", .columns = {{"what"}, {"value"}}};
   const auto add = [&](const char* what, const Cell& value) { table.add({what, value}); };
   add("volumes", progress.volumes);
   add("bytes", progress.bytes);
-  add("sticks emitted", account.emitted);
-  add("sticks delivered", account.delivered);
-  add("lost: ring_full", account.lost.ring_full);
-  add("lost: link", account.lost.link);
-  add("lost: corrupt", account.lost.corrupt);
-  add("lost: out_of_order", account.lost.out_of_order);
-  add("duplicates", account.duplicates);
   add("damaged places", progress.damage.regions);
   add("bytes skipped", progress.damage.bytes_skipped);
   Document document{.title = "Recording"};
-  document
-      .add(Text{"`" + std::string(kRecordingName) + "`" +
-                (result.with_iq ? " with IQ samples, `" + std::string(kIqName) + "`" : "") +
-                "; ended because: " + to_string(result.end) +
-                ". Sticks from: " + std::string(hw::to_string(result.link.origin)) +
-                ". Display: " + display_scale_text(scale) + "."})
-      .add(std::move(table));
-  if (result.fidelity) {
-    document.add(Text{"Rung " + sim::to_string(result.fidelity->rung) + ": " +
-                      result.fidelity->reason + "."});
-  }
+  document.add(Text{summary_list(summary)})
+      .add(std::move(table))
+      .add(board_table(progress.account));
   return document;
 }
 
@@ -321,17 +307,6 @@ std::uint64_t least_bytes(const BoardArguments& board,
   return sticks * samples * sizeof(float) + iq;
 }
 
-/// Why the exit code is kFailed; empty: it is not.
-std::string failure_of(const RecordResult& result,
-                       const std::string& loss,
-                       const RecordArguments& arguments) {
-  if (result.end == hw::RecordingEnd::lost) return "--board = " + arguments.board + ": " + loss;
-  const hw::BoardAccount& account = result.progress.account;
-  if (!arguments.fail_on_loss || account.lost.total() == 0) return "";
-  return "--fail-on-loss: " + std::to_string(account.lost.total()) + " of " +
-         std::to_string(account.emitted) + " sticks were lost";
-}
-
 Scene scene_of(const RecordArguments& arguments) {
   Scene scene = load_scene(arguments.scene.file, arguments.scene.settings);
   if (arguments.volumes > 0 && !scene.given.contains("acquisition.volumes")) {
@@ -379,16 +354,25 @@ CommandResult record_to(OutputFolder& out,
                   " acquisitions, one after the other (`wobblebench inspect` lists them); the "
                   "report is of the last");
   }
-  const std::string failure = failure_of(result, loss, arguments);
   const std::string report = record_report(result, result.scene.value_or(scene));
   // The other commands write their report.json into any folder.
   out.write_text(kReportName, report);
-  return {.report = report,
-          .summary = record_summary(result, out.directory()),
-          .exit_code = failure.empty() ? kDone : kFailed,
-          .failure = failure,
-          .adopted = AdoptedFile{partial, kRecordingName, "the recording"},
-          .document = record_document(result)};
+  const std::string summary = record_summary(result, out.directory());
+  CommandResult done{.report = report,
+                     .summary = summary,
+                     .failure = {},
+                     .adopted = AdoptedFile{partial, kRecordingName, "the recording"},
+                     .document = record_document(result, summary)};
+  if (result.end == hw::RecordingEnd::lost) {
+    add_check({.group = "record",
+               .name = "device",
+               .failure = loss,
+               .asked = "--board = " + arguments.board},
+              done);
+  }
+  const hw::BoardAccount& account = result.progress.account;
+  if (arguments.fail_on_loss) add_check(loss_check(account.lost.total(), account.emitted), done);
+  return done;
 }
 
 int record_board(const RecordArguments& arguments) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <sstream>
 #include <stdexcept>
 
 #include "base/near_name.h"
@@ -21,20 +22,28 @@ std::string joined(const std::vector<std::string>& names) {
   return all;
 }
 
+/// "; did you mean A or B?": the names that have every word of the text, else one that is spelt
+/// nearly alike.
+std::string nearest_figures(const std::string& text, const std::vector<std::string>& names) {
+  const auto has_words = [&](const std::string& name) {
+    std::istringstream words(text);
+    bool all = !text.empty();
+    for (std::string word; std::getline(words, word, '_');) {
+      all = all && ("_" + name + "_").find("_" + word + "_") != std::string::npos;
+    }
+    return all;
+  };
+  std::string near;
+  for (const std::string& name : names) {
+    if (has_words(name)) near += (near.empty() ? "; did you mean " : " or ") + name;
+  }
+  return near.empty() ? did_you_mean(text, names) : near + "?";
+}
+
 constexpr int kDigits = 6;
 
-std::string text_of(const Limit& limit) {
-  return limit.name + "<=" + significant(limit.most, kDigits);
-}
-
-const LimitedFigure& figure_of(const Limit& limit, const std::vector<LimitedFigure>& figures) {
-  const auto found = std::ranges::find(figures, limit.name, &LimitedFigure::name);
-  if (found == figures.end()) throw std::logic_error("no figure " + limit.name);
-  return *found;
-}
-
 /// Why the limit does not hold; empty: it does.
-std::string excess(const Limit& limit, const LimitedFigure& figure) {
+std::string excess(const Limit& limit, const MeasuredValue& figure) {
   if (std::isnan(figure.value)) {
     const std::string& why = figure.because;
     return limit.name + " is not formed" + (why.empty() ? why : ": " + why);
@@ -45,6 +54,10 @@ std::string excess(const Limit& limit, const LimitedFigure& figure) {
 
 }  // namespace
 
+std::string text_of(const Limit& limit) {
+  return limit.name + "<=" + significant(limit.most, kDigits);
+}
+
 Limit parse_limit(const std::string& text, const std::vector<std::string>& names) {
   const auto at = text.find("<=");
   if (at == std::string::npos) {
@@ -53,7 +66,7 @@ Limit parse_limit(const std::string& text, const std::vector<std::string>& names
   Limit limit{text.substr(0, at), 0};
   if (std::ranges::find(names, limit.name) == names.end()) {
     throw UserError("--limit = " + limit.name + ": must be one of " + joined(names) +
-                    did_you_mean(limit.name, names));
+                    nearest_figures(limit.name, names));
   }
   const char* end = text.data() + text.size();
   const auto [stop, error] = std::from_chars(text.data() + at + 2, end, limit.most);
@@ -81,20 +94,29 @@ void add_limit_option(CLI::App& command,
                "<=2 (repeatable): exit code 1 where it does not hold. NAME: " + joined(names));
 }
 
+std::vector<std::string> limit_names(const Measurements& figures) {
+  std::vector<std::string> names;
+  for (const MeasuredValue& one : figures) {
+    const Worse worse = one.measure->worse;
+    if (worse == Worse::higher || worse == Worse::away_from_zero) names.push_back(one.name);
+  }
+  return names;
+}
+
 void check_limits(const std::vector<Limit>& limits,
-                  const std::vector<LimitedFigure>& figures,
+                  const Measurements& figures,
                   CommandResult& result) {
   for (const Limit& limit : limits) {
-    const LimitedFigure& figure = figure_of(limit, figures);
-    const std::string why = excess(limit, figure);
-    result.checks.push_back({.group = "limits",
-                             .name = text_of(limit),
-                             .failure = why,
-                             .output = limit.name + " = " + significant(figure.value, kDigits)});
-    if (why.empty()) continue;
-    result.exit_code = kFailed;
-    if (!result.failure.empty()) result.failure += "\n";
-    result.failure.append("--limit ").append(text_of(limit)).append(": ").append(why);
+    const MeasuredValue* const figure = figures.find(limit.name);
+    if (figure == nullptr) throw std::logic_error("no figure " + limit.name);
+    add_check({.group = "limits",
+               .name = text_of(limit),
+               .failure = excess(limit, *figure),
+               .output = limit.name + " = " + significant(figure->value, kDigits),
+               .asked = "--limit " + text_of(limit),
+               .limit = limit.most,
+               .value = figure->value},
+              result);
   }
 }
 

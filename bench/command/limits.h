@@ -5,6 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "bench/results/measure.h"
+
 namespace CLI {
 class App;
 }
@@ -19,6 +21,9 @@ struct Limit {
   double most = 0;
 };
 
+/// "p95_mm<=2".
+std::string text_of(const Limit& limit);
+
 /// "p95_mm<=2", with a number of 0 or more. Throws UserError "--limit = TEXT: what is allowed",
 /// with `names` where the name is none of them.
 Limit parse_limit(const std::string& text, const std::vector<std::string>& names);
@@ -30,18 +35,14 @@ void add_limit_option(CLI::App& command,
                       std::vector<std::string>& limits,
                       const std::vector<std::string>& names);
 
-/// A figure that limits may name.
-struct LimitedFigure {
-  std::string name;
-  double value = 0;          ///< NaN: not formed
-  std::string because = {};  ///< why it is not formed, where that is known
-};
+/// Of these figures the names of those that --limit may hold: less is better.
+std::vector<std::string> limit_names(const Measurements& figures);
 
-/// Adds each limit to the result's checks and, for each that does not hold, a line to its failure
-/// and exit code kFailed. The magnitude is compared, as a bias may be negative. A figure that is
-/// not formed keeps no limit. `figures` has all names that were allowed.
+/// Adds each limit to the result's checks, as add_check(). The magnitude is compared, as a bias may
+/// be negative. A figure that is not formed keeps no limit. `figures` has all names that were
+/// allowed.
 void check_limits(const std::vector<Limit>& limits,
-                  const std::vector<LimitedFigure>& figures,
+                  const Measurements& figures,
                   CommandResult& result);
 
 }  // namespace wobblebench::bench

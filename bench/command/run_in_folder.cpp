@@ -72,12 +72,16 @@ void check_junit(const fs::path& junit) {
 }
 
 /// The whole file under its name, or none.
-void write_junit(const fs::path& junit, const std::vector<TestCase>& checks) {
+void write_junit(const fs::path& junit, const std::vector<Check>& checks) {
   if (junit.empty()) return;
   fs::path partial = junit;
   partial += ".partial";
   write_file(partial, junit_xml("wobblebench", checks));
   fs::rename(partial, junit);
+}
+
+void lead_with(const std::string& verdict, Document& document) {
+  if (!verdict.empty()) document.blocks.insert(document.blocks.begin(), Text{verdict});
 }
 
 void print_lines(const std::string& text) {
@@ -86,6 +90,33 @@ void print_lines(const std::string& text) {
 }
 
 }  // namespace
+
+void add_check(Check check, CommandResult& result) {
+  if (!check.failure.empty()) {
+    result.exit_code = kFailed;
+    result.failure += (result.failure.empty() ? "" : "\n") + check.line();
+  }
+  result.checks.push_back(std::move(check));
+}
+
+Check loss_check(std::uint64_t lost, std::uint64_t sent, const std::string& what) {
+  return {.group = "stream",
+          .name = "no stick is lost",
+          .failure = lost == 0 ? ""
+                               : std::to_string(lost) + " of " + std::to_string(sent) + " " + what +
+                                     " were lost",
+          .asked = "--fail-on-loss",
+          .limit = 0,
+          .value = static_cast<double>(lost)};
+}
+
+Check none_failed(const std::string& what, std::size_t failed) {
+  return {.group = what,
+          .name = "none failed",
+          .failure = failed == 0 ? "" : std::to_string(failed) + " " + what + " failed",
+          .limit = 0,
+          .value = static_cast<double>(failed)};
+}
 
 int run_in_folder(const OutputArguments& output,
                   const std::vector<PlannedStep>& steps,
@@ -102,7 +133,8 @@ int run_in_folder(const OutputArguments& output,
     std::cout << result.summary;
     return result.exit_code;
   }
-  result.report = finished_report(result.report, progress);
+  result.report = finished_report(result.report, result.checks, progress);
+  lead_with(verdict_text(result.checks), result.document);
   commit(out, result);
   write_junit(output.junit, result.checks);
   if (output.open) progress.warn(open_in_browser(output.folder / "report.html"));

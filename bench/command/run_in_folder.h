@@ -1,6 +1,7 @@
 // What every command that fills a folder does around its own work.
 #pragma once
 
+#include <cstdint>
 #include <functional>
 #include <optional>
 #include <string>
@@ -30,15 +31,23 @@ struct CommandResult {
   int exit_code = kDone;
   std::string failure;  ///< lines for stderr that say why the code is not kDone; empty: none
   std::optional<AdoptedFile> adopted = {};
-  std::vector<TestCase> checks = {};  ///< for --junit
+  std::vector<Check> checks = {};  ///< for report.json, the page and --junit
   Document document = {};  ///< for report.html, NAME.md, and the files of its charts and tables
 };
 
+/// Adds it to the result's checks. Where it fails, its line to the result's failure, and exit code
+/// kFailed.
+void add_check(Check check, CommandResult& result);
+/// Of --fail-on-loss. `what`: "sticks".
+Check loss_check(std::uint64_t lost, std::uint64_t sent, const std::string& what = "sticks");
+/// Of a command that checks the program itself. `what`: "seeds".
+Check none_failed(const std::string& what, std::size_t failed);
+
 /// Makes and locks the folder, runs `work`, which stages the command's files and times its steps,
-/// adds report.json with what Progress::warn() said and the files of the document, gives the files
-/// their final names and prints the report or its summary, and writes the checks to --junit.
-/// Returns the result's exit code. Whatever is thrown leaves the folder as it was. `steps`: as
-/// Progress takes them.
+/// adds report.json with its checks and what Progress::warn() said, the checks to the head of the
+/// document, and the files of the document, gives the files their final names and prints the report
+/// or its summary, and writes the checks to --junit. Returns the result's exit code. Whatever is
+/// thrown leaves the folder as it was. `steps`: as Progress takes them.
 int run_in_folder(const OutputArguments& output,
                   const std::vector<PlannedStep>& steps,
                   const std::function<CommandResult(OutputFolder&, Progress&)>& work);

@@ -10,6 +10,7 @@
 #include "bench/command/program.h"
 #include "bench/evaluation/truth/shadows.h"
 #include "bench/live/space_message.h"
+#include "bench/results/counts.h"
 
 namespace wobblebench::bench {
 
@@ -18,15 +19,6 @@ namespace {
 constexpr std::chrono::milliseconds kPausedWait{50};
 /// Longer than a page takes to be loaded again.
 constexpr std::chrono::seconds kUnwatched{10};
-
-void add_to(hw::BoardAccount& sum, const hw::BoardAccount& account) {
-  sum.emitted += account.emitted;
-  sum.delivered += account.delivered;
-  sum.lost.ring_full += account.lost.ring_full;
-  sum.lost.link += account.lost.link;
-  sum.lost.corrupt += account.lost.corrupt;
-  sum.lost.out_of_order += account.lost.out_of_order;
-}
 
 }  // namespace
 
@@ -217,7 +209,7 @@ bool LivePipeline::is_watched() {
 }
 
 void LivePipeline::add(const StreamResult& result) {
-  add_to(account_.sticks, result.reader.account);
+  add_account(result.reader.account, account_.sticks);
   account_.volumes += result.reader.volumes;
   account_.superseded += result.queue.superseded.volumes + result.superseded_pictures.volumes;
 }

@@ -15,6 +15,7 @@
 #include "bench/output/image_io.h"
 #include "bench/output/picture/error_picture.h"
 #include "bench/output/picture/scan_plane.h"
+#include "bench/results/counts.h"
 
 namespace wobblebench::bench {
 
@@ -274,11 +275,7 @@ LiveMessage times_message(const ShownPicture& shown,
                      {"waiting_volumes", shown.waiting_volumes},
                      {"superseded_volumes", shown.superseded},
                      {"sticks", account.emitted},
-                     {"lost",
-                      {{"ring_full", account.lost.ring_full},
-                       {"link", account.lost.link},
-                       {"corrupt", account.lost.corrupt},
-                       {"out_of_order", account.lost.out_of_order}}},
+                     {"lost", to_json(described(account)).at("lost")},
                      {"damaged_bytes", damage.bytes_skipped}};
   return {std::make_shared<const std::string>(json.dump()), true};
 }

@@ -93,9 +93,12 @@ void move_to_timing(Json& report) {
   for (const std::string& path : own->second) move(report, path);
 }
 
-std::string finished_report(const std::string& report, Progress& progress) {
+std::string finished_report(const std::string& report,
+                            const std::vector<Check>& checks,
+                            Progress& progress) {
   auto json = Json::parse(report);
   move_to_timing(json);
+  if (!json.contains("checks")) json["checks"] = to_json(checks);
   json["warnings"] = progress.warnings();
   if (json.contains("timing")) {
     const MachineUse use = progress.machine_use();

@@ -3,8 +3,10 @@
 
 #include <nlohmann/json_fwd.hpp>
 #include <string>
+#include <vector>
 
 #include "bench/output/progress.h"
+#include "bench/results/check.h"
 
 namespace wobblebench::bench {
 
@@ -14,8 +16,11 @@ namespace wobblebench::bench {
 void move_to_timing(nlohmann::ordered_json& report);
 
 /// The text of report.json, from the text that a command made: with move_to_timing(), with the
-/// command's warnings and, where it holds times, with the use of the machine as
-/// "provenance.load". Warns where times were measured on a busy machine.
-std::string finished_report(const std::string& report, Progress& progress);
+/// command's checks unless it has a list of its own, with its warnings and, where it holds times,
+/// with the use of the machine as "provenance.load". Warns where times were measured on a busy
+/// machine.
+std::string finished_report(const std::string& report,
+                            const std::vector<Check>& checks,
+                            Progress& progress);
 
 }  // namespace wobblebench::bench

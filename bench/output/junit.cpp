@@ -47,7 +47,7 @@ std::string attribute(std::string_view name, std::string_view value) {
   return std::string(" ").append(name).append("=\"").append(xml_text(value)).append("\"");
 }
 
-std::string case_xml(const std::string& suite, const TestCase& test) {
+std::string case_xml(const std::string& suite, const Check& test) {
   std::string xml = "  <testcase";
   xml += attribute("classname", test.group.empty() ? suite : suite + "." + test.group) +
          attribute("name", test.name) + ">\n";
@@ -65,13 +65,13 @@ std::string case_xml(const std::string& suite, const TestCase& test) {
 
 }  // namespace
 
-std::string junit_xml(const std::string& suite, const std::vector<TestCase>& cases) {
+std::string junit_xml(const std::string& suite, const std::vector<Check>& cases) {
   const auto failed =
       std::ranges::count_if(cases, [](const auto& c) { return !c.failure.empty(); });
   const auto skipped = std::ranges::count_if(
       cases, [](const auto& c) { return c.failure.empty() && !c.skipped.empty(); });
   std::string body;
-  for (const TestCase& test : cases) body += case_xml(suite, test);
+  for (const Check& test : cases) body += case_xml(suite, test);
   const std::string counts = attribute("tests", std::to_string(cases.size())) +
                              attribute("failures", std::to_string(failed)) +
                              attribute("errors", "0") +

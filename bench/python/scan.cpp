@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <nlohmann/json.hpp>
 #include <numeric>
 #include <utility>
 
@@ -12,6 +13,7 @@
 #include "bench/python/arrays.h"
 #include "bench/python/board.h"
 #include "bench/python/calls.h"
+#include "bench/results/counts.h"
 #include "hw/recording/recording.h"
 
 namespace wobblebench::python {
@@ -208,17 +210,7 @@ void add_board(py::module_& module) {
           [](const BoardReader& board) -> std::optional<py::dict> {
             const auto account = board.account();
             if (!account) return std::nullopt;
-            py::dict lost;
-            lost["ring_full"] = account->lost.ring_full;
-            lost["link"] = account->lost.link;
-            lost["corrupt"] = account->lost.corrupt;
-            lost["out_of_order"] = account->lost.out_of_order;
-            py::dict counts;
-            counts["emitted"] = account->emitted;
-            counts["delivered"] = account->delivered;
-            counts["duplicates"] = account->duplicates;
-            counts["lost"] = lost;
-            return counts;
+            return from_json(bench::to_json(bench::described(*account)).dump());
           },
           "Sticks emitted, delivered and lost so far, by causes; None before the first volume.");
   module.def(

@@ -43,6 +43,7 @@ constexpr Unit kUnits[] = {{"_mm", "mm", 2},
                            {"_percent", "%", 2},
                            {"_deg", "°", 1},
                            {"_ms", "ms", 1},
+                           {"_per_s", "/s", 2},
                            {"_db", "dB", 1},
                            {"", "", 3}};
 
@@ -54,12 +55,12 @@ const Unit& unit_of(std::string_view key) {
 }
 
 void Measurements::add(const Measure& measure, double value, bool whole) {
-  all_.push_back({&measure, value, whole, place_of(group_, measure.key)});
+  const std::string name = (of_.empty() ? "" : of_ + "_") + measure.key;
+  all_.push_back({&measure, value, whole, name, place_of(group_, measure.key), because_});
 }
 
-const MeasuredValue* Measurements::find(std::string_view key) const {
-  const auto found =
-      std::ranges::find(all_, key, [](const MeasuredValue& one) { return one.measure->key; });
+const MeasuredValue* Measurements::find(std::string_view name) const {
+  const auto found = std::ranges::find(all_, name, &MeasuredValue::name);
   return found == all_.end() ? nullptr : &*found;
 }
 
@@ -76,7 +77,7 @@ Json to_json(const Measurements& found) {
 
 Json flat_json(const Measurements& found) {
   Json json;
-  for (const MeasuredValue& one : found) json.emplace(one.measure->key, json_of(one));
+  for (const MeasuredValue& one : found) json.emplace(one.name, json_of(one));
   return json;
 }
 

@@ -41,10 +41,11 @@ using Chosen = std::span<const Measure* const>;
 
 struct MeasuredValue {
   const Measure* measure;
-  double value;  ///< NaN: not formed
-  bool whole;    ///< a count
-  std::string
-      place;  ///< in its part of report.json of schema 1, as a JSON pointer: "/depth_mm/rms"
+  double value;         ///< NaN: not formed
+  bool whole;           ///< a count
+  std::string name;     ///< by which it is asked for: its key, or "age_oldest_p99_ms"
+  std::string place;    ///< in its part of report.json of schema 1, a JSON pointer: "/depth_mm/rms"
+  std::string because;  ///< why it is not formed, where that is known
 };
 
 /// Figures with their values, in the order in which they were described.
@@ -59,8 +60,14 @@ struct MeasuredValue {
 class Measurements {
  public:
   /// Those that follow are of this group in report.json: "depth_mm",
-  /// "surface_distance_mm/found_to_true".
-  void group(std::string name) { group_ = std::move(name); }
+  /// "surface_distance_mm/found_to_true". `of`: begins their names, where several groups have the
+  /// same figures: "age_oldest" makes "age_oldest_p99_ms" of "p99_ms".
+  void group(std::string name, std::string of = "") {
+    group_ = std::move(name);
+    of_ = std::move(of);
+  }
+  /// Why those that follow are not formed, if they are not.
+  void because(std::string why) { because_ = std::move(why); }
   void add(const Measure& measure, double value) { add(measure, value, false); }
   template <std::integral Count>
   void add(const Measure& measure, Count count) {
@@ -69,15 +76,15 @@ class Measurements {
 
   auto begin() const { return all_.begin(); }
   auto end() const { return all_.end(); }
-  /// Null: not described. Of a figure that several groups have, that of the first.
-  const MeasuredValue* find(std::string_view key) const;
+  /// Null: not described. Of a name that several groups have, that of the first.
+  const MeasuredValue* find(std::string_view name) const;
   /// NaN: not described.
   double value(const Measure& measure) const;
 
  private:
   void add(const Measure& measure, double value, bool whole);
 
-  std::string group_;
+  std::string group_, of_, because_;
   std::vector<MeasuredValue> all_;
 };
 
@@ -90,7 +97,7 @@ Measurements described(const Result& result, const More&... more) {
 
 /// In their groups, as schema 1 of report.json has them; null: not formed.
 nlohmann::ordered_json to_json(const Measurements& found);
-/// By their keys alone, each key once.
+/// By their names alone, each once.
 nlohmann::ordered_json flat_json(const Measurements& found);
 
 }  // namespace wobblebench::bench

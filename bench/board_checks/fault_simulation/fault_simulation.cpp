@@ -14,6 +14,7 @@
 #include "bench/board_checks/fault_simulation/recording_simulation.h"
 #include "bench/board_checks/fault_simulation/scenario.h"
 #include "bench/pipeline/stick_sources.h"
+#include "bench/results/counts.h"
 #include "hw/board/board.h"
 #include "hw/board/volume_assembly.h"
 #include "hw/link/fault_link.h"
@@ -135,16 +136,6 @@ class Simulation {
   bool ended_ = false;
 };
 
-void add(hw::BoardAccount& sum, const hw::BoardAccount& account) {
-  sum.emitted += account.emitted;
-  sum.delivered += account.delivered;
-  sum.lost.ring_full += account.lost.ring_full;
-  sum.lost.link += account.lost.link;
-  sum.lost.corrupt += account.lost.corrupt;
-  sum.lost.out_of_order += account.lost.out_of_order;
-  sum.duplicates += account.duplicates;
-}
-
 /// Seeds that are simulated together: what they return is kept until they are added up.
 constexpr int kBlock = 4096;
 
@@ -154,7 +145,7 @@ void add(SeedRangeResult& all, EventHash& hash, FaultSimulationResult&& result) 
   all.acquired_s += result.acquired_s;
   all.steps += result.steps;
   all.sticks += result.sticks_emitted;
-  add(all.account, result.account);
+  add_account(result.account, all.account);
   all.bytes_recorded += result.bytes_recorded;
   all.sticks_salvaged += result.sticks_salvaged;
   if (!result.failure.empty()) all.failed.push_back(std::move(result));

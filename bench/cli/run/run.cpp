@@ -15,6 +15,7 @@
 #include "bench/cli/run/run_report.h"
 #include "bench/command/commands.h"
 #include "bench/command/common_options.h"
+#include "bench/command/limits.h"
 #include "bench/command/run_in_folder.h"
 #include "bench/command/software_renderer.h"
 #include "bench/evaluation/truth/shadows.h"
@@ -103,8 +104,8 @@ Scene with_choice(const Scene& given,
 }
 
 /// Who makes the picture: our renderer, or a program of others.
-struct Painter {
-  Painter(render::GlContext& gl, const ResolvedScene& scene) : context(gl) {
+struct ChosenRenderer {
+  ChosenRenderer(render::GlContext& gl, const ResolvedScene& scene) : context(gl) {
     const ProgramSetting setting = program_setting(scene.options().picture);
     if (setting.any()) {
       program = std::make_unique<ProgramRenderer>(setting);
@@ -124,17 +125,17 @@ struct Painter {
 /// The volume, and the picture of it.
 RunResult stream_volume(BoardConnection& board,
                         const StreamSource& source,
-                        const Painter& painter) {
+                        const ChosenRenderer& chosen_renderer) {
   render::Picture picture;
   const auto show = [&](const ShownPicture& shown) { picture = shown.picture; };
-  Acquisition acquisition = board.acquire(source, *painter.passes, show);
+  Acquisition acquisition = board.acquire(source, *chosen_renderer.passes, show);
   RunResult result(std::move(acquisition), std::move(picture));
-  if (painter.program) {
+  if (chosen_renderer.program) {
     result.gl_renderer =
-        "the program " + painter.program->setting().name + ", with the exchange of files";
+        "the program " + chosen_renderer.program->setting().name + ", with the exchange of files";
   } else {
-    result.gl_backend = painter.context.backend();
-    result.gl_renderer = painter.context.renderer_string();
+    result.gl_backend = chosen_renderer.context.backend();
+    result.gl_renderer = chosen_renderer.context.renderer_string();
   }
   return result;
 }
@@ -213,28 +214,29 @@ std::uint64_t picture_bytes(const Scene& scene) {
   return 4 * size * size;
 }
 
-/// Why the exit code is kFailed; empty: it is not.
-std::string failure_of(const RunResult& result,
-                       const std::optional<ToleranceResult>& tolerance,
-                       const RunArguments& arguments) {
-  if (!result.acquisition.ending.empty()) {
-    return "--board = " + arguments.board + ": " + ending_text(result);
+/// What has to hold beside the limits.
+std::vector<Check> checks_of(const RunResult& result,
+                             const std::optional<ToleranceResult>& tolerance,
+                             const RunArguments& arguments) {
+  const hw::PolarVolume& volume = result.acquisition.volume;
+  const bool is_whole = result.acquisition.ending.empty();
+  std::vector<Check> checks = {{.group = "run",
+                                .name = "volume",
+                                .failure = is_whole ? "" : ending_text(result),
+                                .asked = is_whole ? "" : "--board = " + arguments.board}};
+  if (tolerance) checks.push_back(tolerance_check(*tolerance));
+  if (arguments.fail_on_loss) {
+    checks.push_back(loss_check(static_cast<std::uint64_t>(volume.missing_sticks()),
+                                static_cast<std::uint64_t>(volume.plan().sticks_per_volume()),
+                                "sticks of the volume"));
   }
-  if (tolerance && !broken_promise(*tolerance).empty()) return broken_promise(*tolerance);
-  const bool is_whole = result.acquisition.volume.missing_sticks() == 0;
-  return arguments.fail_on_loss && !is_whole ? "--fail-on-loss: " + loss_text(result) : "";
+  return checks;
 }
 
 /// Why nothing is measured; empty: something is.
 std::string why_no_measures(const RunResult& result, const ResolvedScene& scene) {
   if (!result.comparison) return "no true surface is known";
   return computes_surface(scene) ? "" : "mode \"volume\" computes no surface";
-}
-
-std::vector<LimitedFigure> limited_figures(const RunResult& result, const ResolvedScene& scene) {
-  return timed_picture_figures(result.comparison ? &result.comparison->error : nullptr,
-                               frame_ms(result.picture.passes),
-                               why_no_measures(result, scene));
 }
 
 void warn_of_samples(const RunResult& result,
@@ -258,7 +260,7 @@ RunArguments with_renderer(RunArguments arguments) {
 }
 
 int run(const RunArguments& from_line) {
-  const auto limits = parse_limits(from_line.limits, timed_picture_names());
+  const auto limits = parse_limits(from_line.limits, limit_names(picture_figures(nullptr, 0)));
   const RunArguments arguments = with_renderer(from_line);
   const Scene given = load_scene(arguments.scene.file, arguments.scene.settings);
   check_program(given.picture);
@@ -284,15 +286,15 @@ int run(const RunArguments& from_line) {
     if (given.given.contains("render.pipeline.mid_volume")) {
       progress.warn("render.pipeline.mid_volume: without effect: `run` renders a whole volume");
     }
-    const Painter painter(*context, scene);
+    const ChosenRenderer chosen_renderer(*context, scene);
     std::future<void> compiled;
-    if (painter.renderer) compiled = painter.renderer->compile_in_background();
+    if (chosen_renderer.renderer) compiled = chosen_renderer.renderer->compile_in_background();
     const sim::TissueMapSource maps = kept_maps(cache.tissue_maps());
     const auto source = progress.step("scene", [&] { return board.connect(scene, maps); });
-    if (painter.renderer) progress.step("shaders", [&] { compiled.get(); });
+    if (chosen_renderer.renderer) progress.step("shaders", [&] { compiled.get(); });
 
     RunResult result =
-        progress.step("stream", [&] { return stream_volume(board, source, painter); });
+        progress.step("stream", [&] { return stream_volume(board, source, chosen_renderer); });
     result.kept = cache.kept();
     result.motor = hw::motor_deviation(result.acquisition.volume);
     warn_of_samples(result, board, scene, progress);
@@ -305,15 +307,17 @@ int run(const RunArguments& from_line) {
 
     const auto tolerance = choice ? std::optional(tolerance_result(*choice, result)) : std::nullopt;
     progress.step("write", [&] { stage_run_images(out, result, scene); });
-    const std::string failure = failure_of(result, tolerance, arguments);
     const std::string summary = run_summary(result, scene, out.directory(), tolerance);
     CommandResult done{.report = run_report(result, scene, progress.times(), tolerance),
                        .summary = summary,
-                       .exit_code = failure.empty() ? kDone : kFailed,
-                       .failure = failure,
-                       .checks = {{.group = "run", .name = "volume", .failure = failure}},
+                       .failure = {},
                        .document = run_document(result, scene, summary)};
-    check_limits(limits, limited_figures(result, scene), done);
+    for (Check& check : checks_of(result, tolerance, arguments)) add_check(std::move(check), done);
+    const PictureMeasures* const error = result.comparison ? &result.comparison->error : nullptr;
+    check_limits(
+        limits,
+        picture_figures(error, frame_ms(result.picture.passes), why_no_measures(result, scene)),
+        done);
     return done;
   };
   return run_in_folder(arguments.output, planned_steps(arguments), work);
@@ -327,7 +331,7 @@ Command add_run_command(CLI::App& app) {
       add_subcommand(app, "run", "Acquire, render, compare with the truth: images, depth, report");
   add_scene_options(command, arguments->scene);
   add_output_options(command, arguments->output, arguments->cache);
-  add_limit_option(command, arguments->limits, timed_picture_names());
+  add_limit_option(command, arguments->limits, limit_names(picture_figures(nullptr, 0)));
   add_junit_option(command, arguments->output);
   add_board_option(command, arguments->board);
   add_gl_option(command, arguments->gl);

@@ -8,6 +8,7 @@
 #include "base/units.h"
 #include "bench/cli/board_report.h"
 #include "bench/cli/run/run_pictures.h"
+#include "bench/output/document/figures_table.h"
 #include "bench/output/error_report.h"
 #include "bench/output/picture/label_picture.h"
 #include "bench/output/picture/map_codes.h"
@@ -176,20 +177,6 @@ Table depth_table(const PictureMeasures& error) {
   return table;
 }
 
-/// Every figure of the whole picture that is formed.
-Table picture_table(const PictureMeasures& error) {
-  const Measurements found = described(error, ExpectedSurface());
-  Table table{.name = "picture",
-              .caption = "Every figure of the picture",
-              .columns = {{"figure"}, {"value", "value", "", 4, true}, {"unit"}, {"what"}}};
-  for (const Measure* one : picture_measures()) {
-    const double value = found.value(*one);
-    if (std::isnan(value)) continue;
-    table.add({Cell::code(one->key), value, unit_of(one->key).name, one->help});
-  }
-  return table;
-}
-
 Table region_table(const PictureMeasures& error) {
   static constexpr const Measure* kShown[] = {&error::kSurface,
                                               &error::kBias,
@@ -237,7 +224,8 @@ void add_errors(const PictureResult& result, const ResolvedScene& scene, Documen
   const PictureMeasures& error = result.comparison->error;
   page.add(error_figure(error.raw.map_m));
   page.add(depth_table(error));
-  page.add(picture_table(error));
+  page.add(figures_table({.name = "picture", .caption = "Every figure of the picture"},
+                         described(error, ExpectedSurface())));
   page.add(
       Picture{"truth_reason.png",
               "Why each pixel has a true surface or none: `truth_reason` of truth_depth.exr."});

@@ -11,6 +11,7 @@
 #include "bench/output/report.h"
 #include "bench/output/report_parts.h"
 #include "bench/pipeline/motor_warning.h"
+#include "bench/studies/fit/fit_report.h"
 
 namespace wobblebench::bench {
 
@@ -91,28 +92,6 @@ Json levels_json(const std::optional<render::SurfaceLevels>& levels) {
       {"fluid", levels->fluid}, {"tissue", levels->tissue}, {"separate", levels->separate}};
   if (levels->of_sticks) json["of_sticks"] = {levels->of_sticks->first, levels->of_sticks->second};
   return json;
-}
-
-/// A fitted value with its 95 % interval, in units that a person reads.
-std::string fitted_text(const Registration& registration, int parameter) {
-  const auto slot = static_cast<std::size_t>(parameter);
-  std::string name = registration_names().at(slot), unit;
-  double scale = 1;
-  if (name.ends_with("_rad")) {
-    scale = 1 / kDegree;
-    unit = " deg";
-    name.resize(name.size() - 4);
-  } else if (name.ends_with("_m")) {
-    scale = 1 / kMillimetre;
-    unit = " mm";
-    name.resize(name.size() - 2);
-  } else {  // scale_minus_1
-    scale = 100;
-    unit = " %";
-  }
-  const auto text = [&](double value) { return significant(scale * value, 3); };
-  return name + " " + text(registration.value.at(slot)) + unit + " (" +
-         text(registration.low.at(slot)) + " to " + text(registration.high.at(slot)) + ")";
 }
 
 /// What --register fitted, with 95 % intervals; empty: it was not asked for.
@@ -221,12 +200,6 @@ std::string ending_text(const RunResult& result) {
   return result.acquisition.ending + ": " +
          std::to_string(result.acquisition.volume.missing_sticks()) +
          " sticks of the volume are missing";
-}
-
-std::string loss_text(const RunResult& result) {
-  const hw::PolarVolume& volume = result.acquisition.volume;
-  return std::to_string(volume.missing_sticks()) + " of " +
-         std::to_string(volume.plan().sticks_per_volume()) + " sticks of the volume were lost";
 }
 
 }  // namespace wobblebench::bench

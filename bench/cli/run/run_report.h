@@ -48,7 +48,4 @@ std::string run_summary(const RunResult& result,
 /// Why the stream broke off, and how many sticks the volume lacks.
 std::string ending_text(const RunResult& result);
 
-/// How many sticks of how many the volume lacks.
-std::string loss_text(const RunResult& result);
-
 }  // namespace wobblebench::bench

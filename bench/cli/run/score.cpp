@@ -20,6 +20,7 @@
 #include "bench/cli/run/run_pictures.h"
 #include "bench/command/commands.h"
 #include "bench/command/common_options.h"
+#include "bench/command/limits.h"
 #include "bench/command/run_in_folder.h"
 #include "bench/evaluation/truth/shadows.h"
 #include "bench/exchange/surface/found_surface.h"
@@ -255,7 +256,7 @@ std::string score_report(const FoundSurface& found,
 }
 
 int score(const ScoreArguments& arguments) {
-  const auto limits = parse_limits(arguments.limits, picture_measure_names());
+  const auto limits = parse_limits(arguments.limits, limit_names(picture_figures(nullptr, {})));
   const SurfaceFileOptions options = surface_options(arguments);
   const ScoredScene scored = load_scored_scene(arguments);
   const auto work = [&](OutputFolder& out, Progress& progress) {
@@ -283,7 +284,7 @@ int score(const ScoreArguments& arguments) {
         .summary = summary,
         .failure = {},
         .document = score_document(result, scene, summary)};
-    check_limits(limits, picture_figures(result.comparison->error), done);
+    check_limits(limits, picture_figures(&result.comparison->error, {}), done);
     return done;
   };
   return run_in_folder(arguments.output, {}, work);
@@ -364,7 +365,7 @@ Command add_score_command(CLI::App& app) {
                        hw::kMostVolumes - 1);
   add_surface_options(command, *arguments);
   add_output_options(command, arguments->output, arguments->cache);
-  add_limit_option(command, arguments->limits, picture_measure_names());
+  add_limit_option(command, arguments->limits, limit_names(picture_figures(nullptr, {})));
   add_junit_option(command, arguments->output);
   return {&command, [arguments] { return score(*arguments); }};
 }

@@ -35,7 +35,9 @@
 #include "bench/pipeline/stream/gl_stream_renderer.h"
 #include "bench/pipeline/stream/stream.h"
 #include "bench/pipeline/stream/stream_queues.h"
+#include "bench/results/counts.h"
 #include "bench/scene/scene_cost.h"
+#include "bench/studies/latency/latency_spans_report.h"
 #include "bench/studies/latency/service_times.h"
 #include "hw/probe/acquisition_plan.h"
 #include "render/gl/context.h"
@@ -141,18 +143,20 @@ std::string why_nothing(const StreamResult& result, const Arguments& arguments) 
   return "--board = " + arguments.board + ": no whole volume came";
 }
 
-/// Why the exit code is kFailed; empty: it is not.
-std::string failure_of(const StreamReport& report, const Arguments& arguments) {
-  if (!report.result.failure.empty()) return report.result.failure;
+/// What has to hold beside the limits.
+std::vector<Check> checks_of(const StreamReport& report, const Arguments& arguments) {
+  Check volumes{.group = "stream", .name = "volumes", .failure = report.result.failure};
   const std::uint64_t came = report.result.reader.volumes;
-  if (came < static_cast<std::uint64_t>(arguments.volumes) && !stop_requested()) {
-    return "--volumes = " + std::to_string(arguments.volumes) + ": --board " + arguments.board +
-           " sent " + std::to_string(came);
+  const bool is_short = came < static_cast<std::uint64_t>(arguments.volumes);
+  if (volumes.failure.empty() && is_short && !stop_requested()) {
+    volumes.asked = "--volumes = " + std::to_string(arguments.volumes);
+    volumes.failure = "--board " + arguments.board + " sent " + std::to_string(came);
   }
+  if (!report.result.failure.empty()) volumes.asked = "--board = " + arguments.board;
+  std::vector<Check> checks = {volumes};
   const hw::BoardAccount& account = report.result.reader.account;
-  if (!arguments.fail_on_loss || account.lost.total() == 0) return "";
-  return "--fail-on-loss: " + std::to_string(account.lost.total()) + " of " +
-         std::to_string(account.emitted) + " sticks were lost";
+  if (arguments.fail_on_loss) checks.push_back(loss_check(account.lost.total(), account.emitted));
+  return checks;
 }
 
 StreamResult stream_to(StreamSink& sink,
@@ -271,37 +275,25 @@ double worst(const std::vector<VolumeError>& errors, const Measure& figure) {
   return most;
 }
 
-double renderer_ms(const StreamSummary& summary) {
-  const auto found = std::ranges::find(summary.loads, "renderer", &StageLoad::stage);
-  return found == summary.loads.end() ? kNotFormed : found->ms_per_volume;
-}
-
 /// Those that --limit takes: errors are of the worst measured volume. Of a report without errors
 /// only the names are of use.
-std::vector<LimitedFigure> limited_figures(const StreamReport& report) {
-  const hw::BoardAccount& account = report.result.reader.account;
-  const double emitted = static_cast<double>(account.emitted);
-  const std::string why = report.errors.empty() ? report.why_no_errors : "no surface is in view";
-  std::vector<LimitedFigure> figures;
+Measurements limited_figures(const StreamReport& report) {
+  Measurements figures;
+  figures.because(report.errors.empty() ? report.why_no_errors : "no surface is in view");
   for (const MeasuredValue& one : described(DepthError())) {
-    if (one.measure->worse == Worse::neither) continue;
-    figures.push_back({one.measure->key, worst(report.errors, *one.measure), why});
+    if (one.measure->worse != Worse::neither) {
+      figures.add(*one.measure, worst(report.errors, *one.measure));
+    }
   }
-  figures.insert(
-      figures.end(),
-      {{"frame_ms", renderer_ms(report.summary)},
-       {"age_oldest_p99_ms", report.summary.age_oldest.p99},
-       {"age_newest_p99_ms", report.summary.age_newest.p99},
-       {"interval_p99_ms", report.summary.interval.p99, "fewer than two pictures were shown"},
-       {"lost_percent", 100 * static_cast<double>(account.lost.total()) / emitted}});
+  figures.because("fewer than two pictures were shown");
+  describe(report.summary, figures);
+  figures.because("");
+  describe(report.result, figures);
+  const hw::BoardAccount& account = report.result.reader.account;
+  figures.add(
+      counts::kLostPercent,
+      100 * static_cast<double>(account.lost.total()) / static_cast<double>(account.emitted));
   return figures;
-}
-
-std::vector<std::string> limited_names() {
-  const StreamReport none;
-  std::vector<std::string> names;
-  for (const LimitedFigure& figure : limited_figures(none)) names.push_back(figure.name);
-  return names;
 }
 
 void warn_of_stream(const StreamResult& result,
@@ -316,7 +308,7 @@ void warn_of_stream(const StreamResult& result,
 }
 
 int stream(const Arguments& arguments) {
-  const auto limits = parse_limits(arguments.limits, limited_names());
+  const auto limits = parse_limits(arguments.limits, limit_names(limited_figures({})));
   const auto codec = codec_of(arguments.codec);
   const auto send = arguments.send == kNotSent ? std::optional<SendArguments>()
                                                : std::optional(parse_send(arguments.send));
@@ -360,14 +352,12 @@ int stream(const Arguments& arguments) {
 
     Provenance provenance = provenance_of_simulation(*context, scene.simulation().seed);
     provenance.board = hw::to_string(report.result.link.origin);
-    const std::string failure = failure_of(report, arguments);
     CommandResult done{
         .report = stream_report(report, std::move(provenance), scene, progress.times()),
         .summary = stream_text(report, out.directory()),
-        .exit_code = failure.empty() ? kDone : kFailed,
-        .failure = failure,
-        .checks = {{.group = "stream", .name = "volumes", .failure = failure}},
+        .failure = {},
         .document = stream_document(report, scene)};
+    for (Check& check : checks_of(report, arguments)) add_check(std::move(check), done);
     check_limits(limits, limited_figures(report), done);
     return done;
   });
@@ -382,7 +372,7 @@ Command add_stream_command(CLI::App& app) {
   arguments->command = &command;
   add_scene_options(command, arguments->scene);
   add_output_options(command, arguments->output, arguments->cache);
-  add_limit_option(command, arguments->limits, limited_names());
+  add_limit_option(command, arguments->limits, limit_names(limited_figures({})));
   add_junit_option(command, arguments->output);
   add_board_option(command, arguments->board);
   add_gl_option(command, arguments->gl);

@@ -17,6 +17,11 @@ Table stream_ages(const StreamReport& report);
 /// From when a stick was scheduled to be fired, or else acquired, until the picture was ready.
 double age_ms(const StickTimes& stick, const PictureTimes& times, bool scheduled);
 
+/// "scheduled emission" or "acquisition".
+const char* ages_from(const StreamSummary& summary);
+
+/// Percentiles of the ages, and of what follows.
+Table percentile_table(const StreamSummary& summary);
 Table load_table(const StreamSummary& summary);
 
 /// Ages of the oldest and the newest echo of each picture, and the volumes that were not shown.

@@ -10,6 +10,7 @@
 #include "bench/cli/stream/stream_page.h"
 #include "bench/output/report.h"
 #include "bench/pipeline/motor_warning.h"
+#include "bench/results/counts.h"
 #include "bench/results/error.h"
 #include "bench/studies/latency/latency_spans_report.h"
 
@@ -17,46 +18,19 @@ namespace wobblebench::bench {
 
 namespace {
 
-/// Volumes and sticks that were not shown, by cause.
-Json dropped_json(const StreamResult& result) {
-  const auto of = [](const VolumeCount& count) {
-    return Json{{"volumes", count.volumes}, {"sticks", count.sticks}};
-  };
-  return {{"superseded_before_rendering", of(result.queue.superseded)},
-          {"superseded_before_writing", of(result.superseded_pictures)},
-          {"left_at_the_end_sticks",
-           result.left_sticks + result.queue.left_sticks + result.reader.left_sticks},
-          {"not_taken_sticks", result.account.delivered - result.reader.sticks}};
-}
-
 Json latency_json(const StreamReport& report) {
   const StreamSummary& summary = report.summary;
   const Bottleneck bottleneck = bottleneck_of(summary);
-  return {
-      {"clock", "wall"},
-      {"ages_from", summary.scheduled ? "scheduled emission" : "acquisition"},
-      {"age_oldest_ms", percentiles_json(summary.age_oldest)},
-      {"age_newest_ms", percentiles_json(summary.age_newest)},
-      {"spans", latency_spans_json(summary.spans)},
-      {"ready_to_written_ms", percentiles_json(summary.ready_to_written)},
-      {"seconds", summary.seconds},
-      {"volumes_per_s", summary.volumes_per_s},
-      {"pictures_per_s", summary.pictures_per_s},
-      {"interval_ms", percentiles_json(summary.interval)},
-      {"jitter_ms", number(summary.jitter_ms)},
-      {"loads", to_json(load_table(summary))},
-      {"bottleneck", bottleneck.stage},
-      {"times_the_next", number(bottleneck.times_the_next)},
-      {"shown", {{"volumes", report.result.shown.volumes}, {"sticks", report.result.shown.sticks}}},
-      {"dropped", dropped_json(report.result)}};
-}
-
-Json queues_json(const StreamResult& result) {
-  return {{"ring", {{"least_free_slots", result.reader.least_free_slots}}},
-          {"volumes",
-           {{"most", result.queue.most_volumes},
-            {"mean", result.queue.mean_volumes},
-            {"reader_blocked_ms", result.queue.blocked_ms}}}};
+  Json json = {{"clock", "wall"}, {"ages_from", ages_from(summary)}};
+  json.update(to_json(described(summary)));
+  json.update({{"spans", latency_spans_json(summary.spans)},
+               {"loads", to_json(load_table(summary))},
+               {"bottleneck", bottleneck.stage},
+               {"times_the_next", number(bottleneck.times_the_next)},
+               {"shown",
+                {{"volumes", report.result.shown.volumes}, {"sticks", report.result.shown.sticks}}},
+               {"dropped", to_json(described(report.result)).at("dropped")}});
+  return json;
 }
 
 /// Every volume that was measured, in time.
@@ -69,22 +43,16 @@ Json errors_json(const StreamReport& report) {
   return errors;
 }
 
+/// Standard deviation of the time between pictures; "none": there are fewer than two such times.
+std::string deviation_text(const StreamSummary& summary) {
+  return std::isfinite(summary.jitter_ms) ? fixed(summary.jitter_ms, 1) + " ms" : "none";
+}
+
 std::string rates_text(const StreamSummary& summary) {
   if (summary.interval.n == 0) return "rate        none: fewer than two pictures\n";
   return "rate        " + fixed(summary.volumes_per_s, 2) + " volumes/s, " +
          fixed(summary.pictures_per_s, 2) + " pictures/s over " + fixed(summary.seconds, 1) +
-         " s; between pictures " + percentiles_text(summary.interval) + "; deviation " +
-         deviation_text(summary) + "\n";
-}
-
-std::string ages_text(const StreamSummary& summary) {
-  const std::string from = summary.scheduled ? "scheduled emission" : "acquisition";
-  std::string text = "            P50 | P90 | P99 | P99.9 | max, wall clock, from " + from + "\n";
-  text += "oldest echo " + percentiles_text(summary.age_oldest) + "\n";
-  text += "newest echo " + percentiles_text(summary.age_newest) + "\n";
-  text += latency_spans_text(summary.spans);
-  return text + "  ready to written                   " +
-         percentiles_text(summary.ready_to_written) + "\n";
+         " s; deviation of the time between pictures " + deviation_text(summary) + "\n";
 }
 
 std::string loads_text(const StreamSummary& summary) {
@@ -136,6 +104,26 @@ std::string errors_text(const StreamReport& report) {
 
 }  // namespace
 
+void describe(const StreamResult& result, Measurements& to) {
+  const auto superseded = [&](const std::string& before, const VolumeCount& count) {
+    to.group("dropped/superseded_before_" + before, "superseded_before_" + before);
+    to.add(counts::kVolumes, count.volumes);
+    to.add(counts::kSticks, count.sticks);
+  };
+  superseded("rendering", result.queue.superseded);
+  superseded("writing", result.superseded_pictures);
+  to.group("dropped");
+  to.add(counts::kLeft, result.left_sticks + result.queue.left_sticks + result.reader.left_sticks);
+  to.add(counts::kNotTaken, result.account.delivered - result.reader.sticks);
+  to.group("queues/ring");
+  to.add(counts::kLeastFreeSlots, result.reader.least_free_slots);
+  to.group("queues/volumes");
+  to.add(counts::kMostVolumes, result.queue.most_volumes);
+  to.add(counts::kMeanVolumes, result.queue.mean_volumes);
+  to.add(counts::kReaderBlocked, result.queue.blocked_ms);
+  to.group("");
+}
+
 std::string stream_report(const StreamReport& report,
                           Provenance provenance,
                           const ResolvedScene& scene,
@@ -151,7 +139,7 @@ std::string stream_report(const StreamReport& report,
       {"queue", report.queue.volumes},
       {"broke_off", report.result.failure.empty() ? Json(nullptr) : Json(report.result.failure)}};
   json["latency"] = latency_json(report);
-  json["queues"] = queues_json(report.result);
+  json["queues"] = to_json(described(report.result)).at("queues");
   json["video"] = nullptr;
   if (const auto& video = report.video) {
     json["video"] = {{"file", video->name},
@@ -167,19 +155,23 @@ std::string stream_report(const StreamReport& report,
   return report_text(json);
 }
 
-std::string deviation_text(const StreamSummary& summary) {
-  return std::isfinite(summary.jitter_ms) ? fixed(summary.jitter_ms, 1) + " ms" : "none";
-}
-
-std::string stream_text(const StreamReport& report, const std::filesystem::path& folder) {
+std::string stream_headline(const StreamReport& report) {
   std::string text = sticks_text(report.result);
-  if (!report.result.records.empty()) {
-    text += rates_text(report.summary) + ages_text(report.summary) + loads_text(report.summary);
-  }
+  if (!report.result.records.empty())
+    text += rates_text(report.summary) + loads_text(report.summary);
   text += late_text(report) + errors_text(report);
   if (const auto& video = report.video) {
     text += "video       " + video->name + ": " + fixed(video->seconds, 1) + " s, " + video->codec +
             " by " + video->backend + "\n";
+  }
+  return text;
+}
+
+std::string stream_text(const StreamReport& report, const std::filesystem::path& folder) {
+  std::string text = stream_headline(report);
+  if (!report.result.records.empty()) {
+    text += "\n" + markdown(percentile_table(report.summary)) + "\n" +
+            markdown(latency_spans_table(report.summary.spans)) + "\n";
   }
   if (report.sent) text += send_text(*report.sent);
   return text + "written to  " + folder.string() + "\n";

@@ -38,14 +38,16 @@ struct StreamReport {
   std::string why_no_errors;  ///< empty: there are
 };
 
+/// What came and was not shown, and the queues.
+void describe(const StreamResult& result, Measurements& to);
+
 /// report.json.
 std::string stream_report(const StreamReport& report,
                           Provenance provenance,
                           const ResolvedScene& scene,
                           const StepTimes& times);
-/// Standard deviation of the time between pictures, for a person; "none" where there are fewer than
-/// two such times.
-std::string deviation_text(const StreamSummary& summary);
+/// What matters most, as lines of a name and a text.
+std::string stream_headline(const StreamReport& report);
 /// For a person, on stdout.
 std::string stream_text(const StreamReport& report, const std::filesystem::path& folder);
 /// A trace in the format of Chrome's about:tracing, which Perfetto opens: a track for single

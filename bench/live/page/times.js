@@ -30,8 +30,6 @@ class TimeLine {
   }
 }
 
-const causes = {ring_full: 'ring full', link: 'link', corrupt: 'corrupt', out_of_order: 'out of order'};
-
 class Times {
   constructor(hasTruth) {
     const line = (name, unit, digits) => new TimeLine(name, unit, digits);
@@ -66,7 +64,7 @@ class Times {
     const waits = times.waited_ms > busy_ms / 20;
     this.limit.textContent = `${waits ? 'The sound is the limit' : 'The renderer is the limit'}: one volume takes `
       + `${times.sound_ms.toFixed(0)} ms to fire and ${busy_ms.toFixed(0)} ms to render.`;
-    const lost = Object.entries(times.lost).filter(([, count]) => count > 0).map(([cause, count]) => `${count} ${causes[cause]}`);
+    const lost = Object.entries(times.lost).filter(([, count]) => count > 0).map(([cause, count]) => `${count} ${cause.replaceAll('_', ' ')}`);
     this.account.textContent = `This stream: volume ${times.volume}, ${times.sticks} sticks, `
       + `${lost.length ? `lost ${lost.join(', ')}` : 'none lost'}; ${times.superseded_volumes} volumes superseded, `
       + `${times.waiting_volumes} in the queue.`;

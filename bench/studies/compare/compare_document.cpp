@@ -152,11 +152,15 @@ std::string verdict_lines(const ComparisonResult& result) {
   return lines;
 }
 
-std::vector<TestCase> test_cases(const ComparisonResult& result) {
-  std::vector<TestCase> cases;
+std::vector<Check> test_cases(const ComparisonResult& result) {
+  std::vector<Check> cases;
   for (const Verdict& verdict : result.verdicts) {
-    TestCase test{.group = verdict.scene,
-                  .name = verdict.limit.figure + " " + text_of(verdict.limit)};
+    const bool is_ratio = verdict.limit.allowed == Allowed::ratio;
+    Check test{.group = verdict.scene,
+               .name = verdict.limit.figure + " " + text_of(verdict.limit),
+               .limit = verdict.limit.most};
+    if (verdict.change.n > 0) test.value = verdict.change.mean + (is_ratio ? 1 : 0);
+    if (verdict.outcome == Outcome::open) test.skipped = "open: more seeds would tell";
     if (verdict.outcome == Outcome::broken) test.failure = line_of(verdict);
     if (verdict.outcome == Outcome::not_compared) test.skipped = verdict.why;
     if (verdict.change.n > 0) test.output = line_of(verdict);

@@ -24,7 +24,7 @@ std::string verdict_line(const ComparisonResult& result);
 /// Lines of what is broken and open.
 std::string verdict_lines(const ComparisonResult& result);
 
-std::vector<TestCase> test_cases(const ComparisonResult& result);
+std::vector<Check> test_cases(const ComparisonResult& result);
 Document compare_document(const ComparisonResult& result);
 
 }  // namespace wobblebench::bench

@@ -11,7 +11,9 @@
 #include "base/near_name.h"
 #include "base/number_text.h"
 #include "base/user_error.h"
+#include "bench/results/counts.h"
 #include "bench/results/error.h"
+#include "bench/results/times.h"
 #include "bench/scene/toml_file.h"
 #include "bench/studies/compare/run_figures.h"
 
@@ -104,11 +106,11 @@ std::vector<ChangeLimit> default_change_limits() {
           {error::kMissed.key, Allowed::worse_by, 0.2},
           {error::kFalse.key, Allowed::worse_by, 0.2},
           {error::kNormalMedian.key, Allowed::worse_by, 0.5},
-          {"frame_ms", Allowed::ratio, 1.25},
-          {"cpu_ms", Allowed::ratio, 1.25},
-          {"fetches", Allowed::equal},
-          {"sticks", Allowed::equal},
-          {"samples", Allowed::equal}};
+          {times::kFrame.key, Allowed::ratio, 1.25},
+          {times::kCpu.key, Allowed::ratio, 1.25},
+          {counts::kFetches.key, Allowed::equal},
+          {counts::kSticks.key, Allowed::equal},
+          {counts::kSamples.key, Allowed::equal}};
 }
 
 std::vector<ChangeLimit> read_change_limits(const std::filesystem::path& file) {

@@ -1,12 +1,14 @@
 #include "bench/studies/compare/run_figures.h"
 
 #include <algorithm>
-#include <array>
 #include <nlohmann/json.hpp>
+#include <utility>
 
 #include "base/user_error.h"
 #include "bench/evaluation/measures/picture_measures.h"
+#include "bench/results/counts.h"
 #include "bench/results/error.h"
+#include "bench/results/times.h"
 
 namespace wobblebench::bench {
 
@@ -14,18 +16,13 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-struct Place {
-  const char* name;
-  const char* pointer;  ///< into report.json
-};
-
-constexpr std::array kPlaces = {
-    Place{"frame_ms", "/timing/render/frame_ms"},
-    Place{"simulation_ms", "/timing/simulation/ms_per_volume"},
-    Place{"run_ms", "/timing/wall_ms/total"},
-    Place{"sticks", "/board/delivered"},
-    Place{"samples", "/board/samples/count"},
-};
+/// Where schema 1 of report.json has figures of a run beside those of the picture.
+constexpr std::pair<const Measure*, const char*> kPlaces[] = {
+    {&times::kFrame, "/timing/render/frame_ms"},
+    {&times::kSimulation, "/timing/simulation/ms_per_volume"},
+    {&times::kRun, "/timing/wall_ms/total"},
+    {&counts::kSticks, "/board/delivered"},
+    {&counts::kSamples, "/board/samples/count"}};
 
 void add(RunFigures& figures, const std::string& name, const Json& value) {
   if (value.is_number()) figures[name] = value.get<double>();
@@ -94,15 +91,16 @@ MeasuredRun run_from(const Json& json) {
 
 FigureKind kind_of_figure(const std::string& name) {
   if (name.ends_with("_ms")) return FigureKind::time;
-  const bool counted = name.ends_with("fetches") || name == "sticks" || name == "samples";
+  const bool counted = name.ends_with(counts::kFetches.key) || name == counts::kSticks.key ||
+                       name == counts::kSamples.key;
   return counted ? FigureKind::work : FigureKind::error;
 }
 
 const std::vector<std::string>& run_figure_names() {
   static const std::vector<std::string> names = [] {
-    std::vector<std::string> all = {"cpu_ms", "fetches"};
+    std::vector<std::string> all = {times::kCpu.key, counts::kFetches.key};
     for (const Measure* measure : picture_measures()) all.emplace_back(measure->key);
-    for (const Place& place : kPlaces) all.emplace_back(place.name);
+    for (const auto& [measure, place] : kPlaces) all.emplace_back(measure->key);
     for (const char* pass : {"scan_conversion", "ray_casting", "shading", "smoothing"}) {
       all.push_back(std::string(pass) + "_ms");
       all.push_back(std::string(pass) + "_fetches");
@@ -114,15 +112,19 @@ const std::vector<std::string>& run_figure_names() {
 
 RunFigures figures_of_run(const Json& report) {
   RunFigures figures;
-  for (const Place& place : kPlaces) add_at(figures, place.name, report, place.pointer);
+  for (const auto& [measure, place] : kPlaces) add_at(figures, measure->key, report, place);
   add_outside(figures, report);
   for (const Measure* measure : picture_measures()) {
     add_at(figures, measure->key, report, place_in_report(*measure));
   }
-  add_at(figures, "cpu_ms", report, "/provenance/load/own_cpu_s");
-  if (const auto cpu = figures.find("cpu_ms"); cpu != figures.end()) cpu->second *= 1e3;
+  add_at(figures, times::kCpu.key, report, "/provenance/load/own_cpu_s");
+  if (const auto cpu = figures.find(times::kCpu.key); cpu != figures.end()) cpu->second *= 1e3;
   add_passes(figures, list_at(report, "/timing/render/passes"), "ms", "_ms", "");
-  add_passes(figures, list_at(report, "/render/texture_fetches"), "fetches", "_fetches", "fetches");
+  add_passes(figures,
+             list_at(report, "/render/texture_fetches"),
+             "fetches",
+             "_fetches",
+             counts::kFetches.key);
   return figures;
 }
 

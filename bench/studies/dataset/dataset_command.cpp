@@ -87,15 +87,20 @@ CommandResult write_dataset(const Arguments& arguments,
   report["dataset"] = dataset_json(plan, figures);
   report["wall_ms"] = wall_json(progress.times());
   const std::string refused = report["dataset"]["refused"].dump();
-  const bool is_whole = refused == "0";
-  return {.report = report_text(report),
-          .summary = std::to_string(plan.scenes) + " scenes, " + refused +
-                     " refused\nresults     " + arguments.output.folder.string() + "\n",
-          .exit_code = is_whole ? kDone : kFailed,
-          .failure = is_whole ? ""
-                              : refused + " of " + std::to_string(plan.scenes) +
-                                    " scenes were refused: manifest.jsonl says why",
-          .document = std::move(document)};
+  CommandResult done{.report = report_text(report),
+                     .summary = std::to_string(plan.scenes) + " scenes, " + refused +
+                                " refused\nresults     " + arguments.output.folder.string() + "\n",
+                     .failure = {},
+                     .document = std::move(document)};
+  add_check({.group = "dataset",
+             .name = "no scene is refused",
+             .failure = refused == "0" ? ""
+                                       : refused + " of " + std::to_string(plan.scenes) +
+                                             " scenes were refused: manifest.jsonl says why",
+             .limit = 0,
+             .value = report["dataset"]["refused"].get<double>()},
+            done);
+  return done;
 }
 
 /// Makes some of the scenes again, and says which files differ.

@@ -271,6 +271,7 @@ CommandResult measure_and_write(const Arguments& arguments,
   return {.report = report_text(report),
           .summary = failures_text(results),
           .exit_code = results.failed() == 0 ? kDone : kFailed,
+          .checks = {none_failed("outcomes", results.failed())},
           .document = extremes_document(results, provenance)};
 }
 

@@ -306,6 +306,14 @@ const std::vector<Field<Judgement>>& judgement_columns() {
   return columns;
 }
 
+std::string fitted_text(const Registration& fit, int parameter) {
+  const auto slot = static_cast<std::size_t>(parameter);
+  const auto text = [&](double value) { return significant(in_unit(parameter, value), 3); };
+  return std::string(kShown[parameter].name) + " " + text(fit.value.at(slot)) + " " +
+         kShown[parameter].unit + " (" + text(fit.low.at(slot)) + " to " + text(fit.high.at(slot)) +
+         ")";
+}
+
 Document fit_document(const FitResults& results, const Provenance& provenance) {
   Document document{.title = "Fit", .name = "fit"};
   document.add(Text{"Made by `wobblebench fit`. Commit " + provenance.commit + ", " +

@@ -27,6 +27,10 @@ nlohmann::ordered_json fit_json(const FitResults& results);
 /// What people read, with fit_terms.csv, fit_held_out.csv, fit_residuals.csv, fit_coverage.csv.
 Document fit_document(const FitResults& results, const Provenance& provenance);
 
+/// A fitted value with its 95 % interval, in units that a person reads: "rotation x 0.1 deg (0 to
+/// 0.2)".
+std::string fitted_text(const Registration& fit, int parameter);
+
 /// A figure of a judgement in tables and, the first kReportedFigures, in report.json.
 inline constexpr std::size_t kReportedFigures = 10;
 const std::vector<Field<Judgement>>& judgement_columns();

@@ -1,20 +1,20 @@
 #include "bench/studies/latency/latency_spans_report.h"
 
 #include <algorithm>
-#include <iomanip>
+#include <cmath>
 #include <iterator>
 #include <nlohmann/json.hpp>
-#include <sstream>
 #include <utility>
 
-#include "base/number_text.h"
-#include "bench/output/report_parts.h"
+#include "bench/results/times.h"
 
 namespace wobblebench::bench {
 
 namespace {
 
 using Json = nlohmann::ordered_json;
+
+constexpr const Measure* kOfSpans[] = {&times::kP50, &times::kP99, &times::kMax, &times::kN};
 
 const char* clock_name(const LatencySpan& span) {
   return span.on_device_clock ? "device" : "host";
@@ -34,12 +34,9 @@ Json spans_json(const std::vector<LatencySpan>& spans) {
 void add_rows(const std::string& echo, const std::vector<LatencySpan>& spans, Table& table) {
   for (const LatencySpan& span : spans) {
     std::vector<Cell> row = {echo, span.from, span.to, clock_name(span)};
-    if (span.ms) {
-      for (const double value : {span.ms->p50, span.ms->p99, span.ms->max}) row.emplace_back(value);
-      row.emplace_back(span.ms->n);
-    } else {
-      row.insert(row.end(), {"not known", {}, {}, {}});
-    }
+    if (span.ms) row = cells_of(std::move(row), described(*span.ms), kOfSpans);
+    if (!span.ms) row.emplace_back("not known");
+    row.resize(table.columns.size());
     table.add(std::move(row));
   }
 }
@@ -60,19 +57,46 @@ BarPart& part_of(BarChart& chart, const std::string& name) {
 
 }  // namespace
 
-Json percentiles_json(const Percentiles& of) {
-  return {{"p50", number(of.p50)},
-          {"p90", number(of.p90)},
-          {"p99", number(of.p99)},
-          {"p999", number(of.p999)},
-          {"max", number(of.max)},
-          {"n", of.n}};
+void describe(const Percentiles& of, Measurements& to) {
+  to.add(times::kP50, of.p50);
+  to.add(times::kP90, of.p90);
+  to.add(times::kP99, of.p99);
+  to.add(times::kP999, of.p999);
+  to.add(times::kMax, of.max);
+  to.add(times::kN, of.n);
 }
 
-std::string percentiles_text(const Percentiles& of) {
-  if (of.n == 0) return "none";
-  return fixed(of.p50, 1) + " | " + fixed(of.p90, 1) + " | " + fixed(of.p99, 1) + " | " +
-         fixed(of.p999, 1) + " | " + fixed(of.max, 1) + " ms, n = " + std::to_string(of.n);
+void describe(const StreamSummary& summary, Measurements& to) {
+  const auto add = [&](const std::string& name, const Percentiles& of) {
+    to.group(name + "_ms", name);
+    describe(of, to);
+  };
+  add("age_oldest", summary.age_oldest);
+  add("age_newest", summary.age_newest);
+  add("ready_to_written", summary.ready_to_written);
+  to.group("");
+  to.add(times::kSeconds, summary.seconds);
+  to.add(times::kVolumesPerS, summary.volumes_per_s);
+  to.add(times::kPicturesPerS, summary.pictures_per_s);
+  add("interval", summary.interval);
+  to.group("");
+  to.add(times::kJitter, summary.jitter_ms);
+  const auto renderer = std::ranges::find(summary.loads, "renderer", &StageLoad::stage);
+  const bool known = renderer != summary.loads.end();
+  to.add(times::kFrame, known ? renderer->ms_per_volume : std::nan(""));
+}
+
+Chosen percentile_measures() {
+  static constexpr const Measure* kAll[] = {
+      &times::kP50, &times::kP90, &times::kP99, &times::kP999, &times::kMax, &times::kN};
+  return kAll;
+}
+
+Json percentiles_json(const Percentiles& of) {
+  Measurements found;
+  found.group("ms");
+  describe(of, found);
+  return to_json(found).at("ms");
 }
 
 Json latency_spans_json(const LatencySpans& spans) {
@@ -81,27 +105,13 @@ Json latency_spans_json(const LatencySpans& spans) {
           {"unknown_because", spans.why_unknown.empty() ? Json(nullptr) : Json(spans.why_unknown)}};
 }
 
-std::string latency_spans_text(const LatencySpans& spans) {
-  std::ostringstream text;
-  for (const LatencySpan& span : spans.newest) {
-    text << "  " << std::left << std::setw(35) << (span.from + " to " + span.to)
-         << (span.ms ? percentiles_text(*span.ms) : "not known")
-         << (span.on_device_clock ? ", modelled, device's clock\n" : "\n");
-  }
-  if (!spans.why_unknown.empty()) text << "  not known: " << spans.why_unknown << "\n";
-  return text.str();
-}
-
 Table latency_spans_table(const LatencySpans& spans) {
+  const std::string& why = spans.why_unknown;
   Table table{.name = "spans",
-              .columns = {{"echo"},
-                          {"from"},
-                          {"to"},
-                          {"clock"},
-                          {"p50_ms", "P50", "ms", 3},
-                          {"p99_ms", "P99", "ms", 3},
-                          {"max_ms", "max", "ms", 3},
-                          {"n"}}};
+              .caption = "The ages as spans that follow each other" +
+                         (why.empty() ? "" : "; not known: " + why),
+              .columns = columns_of({{"echo"}, {"from"}, {"to"}, {"clock"}}, kOfSpans)};
+  for (Column& column : table.columns) column.digits = 3;
   add_rows("oldest", spans.oldest, table);
   add_rows("newest", spans.newest, table);
   return table;

@@ -10,14 +10,17 @@
 
 namespace wobblebench::bench {
 
+void describe(const Percentiles& of, Measurements& to);
+/// Times, ages and rates. NaN of a summary of nothing.
+void describe(const StreamSummary& summary, Measurements& to);
+
+/// All figures of Percentiles.
+Chosen percentile_measures();
+/// {p50, p90 …}, without their unit.
 nlohmann::ordered_json percentiles_json(const Percentiles& of);
-/// "P50 | P90 | P99 | P99.9 | max ms, n = …".
-std::string percentiles_text(const Percentiles& of);
 
 /// "oldest_echo" and "newest_echo": from, to, clock, ms; null where the link does not tell.
 nlohmann::ordered_json latency_spans_json(const LatencySpans& spans);
-/// A line a span of the newest echo.
-std::string latency_spans_text(const LatencySpans& spans);
 /// A table of both echoes.
 Table latency_spans_table(const LatencySpans& spans);
 /// A bar for each echo, of the medians of its spans: those of the card together, those from there

@@ -137,12 +137,15 @@ nlohmann::ordered_json report_of(const Provenance& provenance,
   return report;
 }
 
-/// Exit code and line of pictures that the rounding of filters does not explain.
-void judge(const PicturesAgainst& against, CommandResult& result) {
-  if (against.all_explained()) return;
-  result.exit_code = kFailed;
-  result.failure = "--against: more than " + fixed(100 * kMostUnexplained, 1) +
-                   " % of a picture's pixels are not explained by the rounding of filters\n";
+/// Whether the rounding of filters explains the pictures.
+Check pictures_check(const PicturesAgainst& against) {
+  const std::string failure = "more than " + fixed(100 * kMostUnexplained, 1) +
+                              " % of a picture's pixels are not explained by the rounding of "
+                              "filters";
+  return {.group = "tables",
+          .name = "pictures",
+          .failure = against.all_explained() ? "" : failure,
+          .asked = "--against"};
 }
 
 CommandResult measure(const Arguments& arguments,
@@ -161,7 +164,7 @@ CommandResult measure(const Arguments& arguments,
     const PicturesAgainst against = compare_with(*other, arguments, volumes, context);
     report["agreement"] = agreement_json(against);
     add_agreement(against, result.document);
-    judge(against, result);
+    add_check(pictures_check(against), result);
   }
   result.report = report_text(report);
   return result;

@@ -47,10 +47,10 @@ constexpr const char* kLadder[][kKeys] = {
     {"\"aligned\"", "0.7", "512", "1024", "\"iso\"", "\"auto\""}};
 
 /// What the request alone decides, before anything is measured.
-class Question {
+class ToleranceWork {
  public:
   /// Throws UserError.
-  explicit Question(const ToleranceRequest& request)
+  explicit ToleranceWork(const ToleranceRequest& request)
       : request_(request), given_(load({}).given), finest_(choose_finest_rung()) {
     if (!given_.contains("render.preset")) return;
     throw UserError("--tolerance: chooses the settings of the renderer; leave render.preset out");
@@ -269,26 +269,25 @@ double parse_tolerance_mm(const std::string& text) {
 }
 
 void check_request(const ToleranceRequest& request) {
-  static_cast<void>(Question(request));
+  static_cast<void>(ToleranceWork(request));
 }
 
 ToleranceChoice choose_for_tolerance(const ToleranceRequest& request,
                                      render::GlContext& context,
                                      PhantomCache& cache,
                                      const PartDone& done) {
-  const Question question(request);
-  const TradeWork work = question.work();
+  const ToleranceWork asked(request);
+  const TradeWork work = asked.work();
   const std::string key = key_of(work, request.machine);
   const auto kept = key.empty() ? std::nullopt : cache.text(key);
   Measured measured(work, kept ? trade_records(*kept) : TradeRecords{}, context, cache, done);
   ToleranceChoice choice;
   choice.request = request;
   choice.seeds = work.plan.seeds;
-  choice.finest_rung = choice.rung = question.finest_rung();
+  choice.finest_rung = choice.rung = asked.finest_rung();
   choose_setting(measured, choice);
-  const std::size_t number = choice.promised
-                                 ? choose_rung(question.coarser_rungs(), measured, choice)
-                                 : choice.setting().score.point;
+  const std::size_t number = choice.promised ? choose_rung(asked.coarser_rungs(), measured, choice)
+                                             : choice.setting().score.point;
   choice.scene_settings = settings_of(work.plan, work.points[number]);
   choice.kept = measured.measured() == 0;
   if (!choice.kept && !key.empty()) cache.keep_text(key, text_of(measured.records()));

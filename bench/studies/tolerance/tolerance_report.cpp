@@ -77,18 +77,25 @@ std::string tolerance_lines(const ToleranceResult& result) {
   return lines;
 }
 
-std::string broken_promise(const ToleranceResult& result) {
+Check tolerance_check(const ToleranceResult& result) {
   const ToleranceChoice& choice = result.choice;
-  const std::string asked = "--tolerance = " + significant(choice.request.tolerance_mm, 6) + "mm: ";
+  const TradeScore& score = choice.setting().score;
+  Check check{.group = "run",
+              .name = "tolerance",
+              .asked = "--tolerance = " + significant(choice.request.tolerance_mm, 6) + "mm",
+              .limit = choice.request.tolerance_mm,
+              .value = result.outcome.reached_mm};
   if (!choice.promised) {
-    return asked + "no setting keeps it on this scene; the least bound is " +
-           in_mm(upper_quantity(choice.setting().score, kToleranceMeasure)) + ", with " +
-           significant(upper_quantity(choice.setting().score, kWrongMeasure), 3) +
-           " % missed or false (at most " + significant(kMostWrongPercent, 3) + " % are allowed)";
+    check.failure = "no setting keeps it on this scene; the least bound is " +
+                    in_mm(upper_quantity(score, kToleranceMeasure)) + ", with " +
+                    significant(upper_quantity(score, kWrongMeasure), 3) +
+                    " % missed or false (at most " + significant(kMostWrongPercent, 3) +
+                    " % are allowed)";
+  } else if (!result.outcome.held) {
+    check.failure = "this picture reached " + in_mm(result.outcome.reached_mm) + " with " +
+                    significant(result.outcome.wrong_percent, 3) + " % missed or false";
   }
-  if (result.outcome.held) return "";
-  return asked + "this picture reached " + in_mm(result.outcome.reached_mm) + " with " +
-         significant(result.outcome.wrong_percent, 3) + " % missed or false";
+  return check;
 }
 
 }  // namespace wobblebench::bench

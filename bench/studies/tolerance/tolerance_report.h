@@ -5,6 +5,7 @@
 #include <optional>
 #include <string>
 
+#include "bench/results/check.h"
 #include "bench/studies/tolerance/tolerance_choice.h"
 
 namespace wobblebench::bench {
@@ -21,7 +22,7 @@ nlohmann::ordered_json tolerance_json(const ToleranceResult& result);
 /// Two lines for a terminal.
 std::string tolerance_lines(const ToleranceResult& result);
 
-/// Why the promise does not stand; empty: it does.
-std::string broken_promise(const ToleranceResult& result);
+/// Whether the promise was made, and holds of this picture.
+Check tolerance_check(const ToleranceResult& result);
 
 }  // namespace wobblebench::bench

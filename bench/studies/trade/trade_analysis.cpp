@@ -57,8 +57,8 @@ std::vector<double> means_of_seeds(const std::vector<const TradeRecord*>& record
 TradeScore score_of(std::size_t point, const std::vector<const TradeRecord*>& records) {
   TradeScore score;
   score.point = point;
-  for (const auto& [name, time] : kTradeTimes) score.*time = geometric_mean(records, time);
-  for (std::size_t i = 0; i < trade_measure_names().size(); ++i) {
+  for (const auto& [measure, time] : kTradeTimes) score.*time = geometric_mean(records, time);
+  for (std::size_t i = 0; i < traded().size(); ++i) {
     score.measures.push_back(mean_interval(means_of_seeds(records, i)));
   }
   return score;

@@ -14,7 +14,7 @@ namespace wobblebench::bench {
 /// A point over its scenes and seeds. The times are geometric means.
 struct TradeScore : TradeTimes {
   std::size_t point = 0;
-  std::vector<MeanInterval> measures;  ///< for each of trade_measure_names(): over seeds
+  std::vector<MeanInterval> measures;  ///< for each of traded(): over seeds
 
   double p95_mm() const;
   double wrong_percent() const;  ///< missed_or_false_percent

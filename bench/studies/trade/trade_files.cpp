@@ -24,9 +24,9 @@ Table trade_rows(const TradeResults& results) {
   const TradePlan& plan = results.work.plan;
   Table table{.name = "rows", .columns = {{"scene"}, {"point"}, {"seed"}}};
   for (const TradeAxis& axis : plan.axes) table.columns.push_back({axis.key});
-  for (const std::string& name : trade_measure_names()) table.columns.push_back({name});
+  table.columns = columns_of(std::move(table.columns), traded());
   table.columns.push_back({"refused"});
-  for (const auto& [name, time] : kTradeTimes) table.columns.push_back({name});
+  for (const auto& [measure, time] : kTradeTimes) table.columns.push_back(column_of(*measure));
   for (const auto& [unit, record] : results.records) {
     std::vector<Cell> row = {
         plan.scenes[unit.scene].name, unit.point, std::to_string(plan.seeds[unit.seed])};
@@ -34,11 +34,11 @@ Table trade_rows(const TradeResults& results) {
       row.emplace_back(plain_value(value));
     }
     const bool measured = record.refused.empty();
-    for (std::size_t i = 0; i < trade_measure_names().size(); ++i) {
+    for (std::size_t i = 0; i < traded().size(); ++i) {
       row.push_back(measured ? Cell(record.measures[i]) : Cell());
     }
     row.emplace_back(record.refused);
-    for (const auto& [name, time] : kTradeTimes) {
+    for (const auto& [measure, time] : kTradeTimes) {
       row.push_back(measured ? Cell(record.*time) : Cell());
     }
     table.add(std::move(row));
@@ -47,16 +47,12 @@ Table trade_rows(const TradeResults& results) {
 }
 
 Json trade_score_json(const TradeWork& work, const TradeScore& score) {
-  Json json = {{"point", score.point},
-               {"settings", settings_json(work, score.point)},
-               {"volume_ratio", score.volume_ratio},
-               {"view_ratio", score.view_ratio},
-               {"volume_ms", score.volume_ms},
-               {"view_ms", score.view_ms}};
+  Json json = {{"point", score.point}, {"settings", settings_json(work, score.point)}};
+  for (const auto& [measure, time] : kTradeTimes) json[measure->key] = score.*time;
   for (std::size_t i = 0; i < score.measures.size(); ++i) {
-    json[trade_measure_names()[i]] = {{"mean", number(score.measures[i].mean)},
-                                      {"half_interval", number(score.measures[i].half)},
-                                      {"n", score.measures[i].n}};
+    json[traded()[i]->key] = {{"mean", number(score.measures[i].mean)},
+                              {"half_interval", number(score.measures[i].half)},
+                              {"n", score.measures[i].n}};
   }
   return json;
 }

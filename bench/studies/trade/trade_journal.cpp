@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <nlohmann/json.hpp>
 #include <sstream>
 #include <stdexcept>
@@ -52,9 +53,9 @@ Json measured_json(const TradeRecord& record) {
   if (!record.refused.empty()) return {{"refused", record.refused}};
   Json json;
   for (std::size_t i = 0; i < record.measures.size(); ++i) {
-    json[trade_measure_names()[i]] = number(record.measures[i]);
+    json[traded()[i]->key] = number(record.measures[i]);
   }
-  for (const auto& [name, time] : kTradeTimes) json[name] = record.*time;
+  for (const auto& [measure, time] : kTradeTimes) json[measure->key] = record.*time;
   for (const auto& [name, time] : kEvaluationTimes) json[name] = record.evaluation.*time;
   return json;
 }
@@ -65,22 +66,17 @@ TradeRecord measured_of(const Json& json) {
     record.refused = json["refused"];
     return record;
   }
-  for (const std::string& name : trade_measure_names()) {
-    const Json& value = json.at(name);
+  for (const Measure* measure : traded()) {
+    const Json& value = json.at(measure->key);
     record.measures.push_back(value.is_null() ? std::nan("") : value.get<double>());
   }
-  for (const auto& [name, time] : kTradeTimes) record.*time = json.at(name);
+  for (const auto& [measure, time] : kTradeTimes) record.*time = json.at(measure->key);
   for (const auto& [name, time] : kEvaluationTimes) record.evaluation.*time = json.at(name);
   return record;
 }
 
-const std::vector<std::string>& trade_measure_names() {
-  static const std::vector<std::string> names = [] {
-    std::vector<std::string> result;
-    for (const Measure* measure : kTraded) result.emplace_back(measure->key);
-    return result;
-  }();
-  return names;
+Chosen traded() {
+  return kTraded;
 }
 
 std::vector<double> trade_measures(const PictureMeasures& measures) {
@@ -90,11 +86,11 @@ std::vector<double> trade_measures(const PictureMeasures& measures) {
   return values;
 }
 
-std::size_t trade_measure(const std::string& name) {
-  const auto& names = trade_measure_names();
-  const auto found = std::find(names.begin(), names.end(), name);
-  if (found == names.end()) throw std::out_of_range("no measure " + name);
-  return static_cast<std::size_t>(found - names.begin());
+std::size_t trade_measure(const std::string& key) {
+  const auto* const found =
+      std::ranges::find(kTraded, key, [](const Measure* one) { return one->key; });
+  if (found == std::end(kTraded)) throw std::out_of_range("no measure " + key);
+  return static_cast<std::size_t>(found - std::begin(kTraded));
 }
 
 TradeJournal::TradeJournal(const std::filesystem::path& folder, const std::string& plan)

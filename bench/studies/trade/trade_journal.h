@@ -13,6 +13,7 @@
 
 #include "bench/evaluation/evaluator.h"
 #include "bench/evaluation/measures/picture_measures.h"
+#include "bench/results/times.h"
 #include "bench/studies/trade/journal_file.h"
 
 namespace wobblebench::bench {
@@ -27,23 +28,23 @@ struct TradeUnit {
   auto operator<=>(const TradeUnit&) const = default;  // NOLINT(modernize-use-nullptr)
 };
 
-/// Names of a record's measures, with their units.
-const std::vector<std::string>& trade_measure_names();
-/// A value for each name; NaN: not formed, as without a surface in view.
+/// A record's measures.
+Chosen traded();
+/// A value for each; NaN: not formed, as without a surface in view.
 std::vector<double> trade_measures(const PictureMeasures& measures);
-/// Position of a name. Throws std::out_of_range.
-std::size_t trade_measure(const std::string& name);
+/// Position of a key. Throws std::out_of_range.
+std::size_t trade_measure(const std::string& key);
 
 /// Times of a picture, and their ratios to those of the reference's picture. `volume`: all passes;
 /// `view`: passes 2 to 4.
 struct TradeTimes {
   double volume_ms = 0, view_ms = 0, volume_ratio = 0, view_ratio = 0;
 };
-inline constexpr std::pair<const char*, double TradeTimes::*> kTradeTimes[] = {
-    {"volume_ms", &TradeTimes::volume_ms},
-    {"view_ms", &TradeTimes::view_ms},
-    {"volume_ratio", &TradeTimes::volume_ratio},
-    {"view_ratio", &TradeTimes::view_ratio}};
+inline constexpr std::pair<const Measure*, double TradeTimes::*> kTradeTimes[] = {
+    {&times::kVolume, &TradeTimes::volume_ms},
+    {&times::kView, &TradeTimes::view_ms},
+    {&times::kVolumeRatio, &TradeTimes::volume_ratio},
+    {&times::kViewRatio, &TradeTimes::view_ratio}};
 
 /// The times are medians over the repeats; the two pictures are rendered in turn.
 struct TradeRecord : TradeTimes {

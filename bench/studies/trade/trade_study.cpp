@@ -342,7 +342,7 @@ void TradeMeasurement::measure(const TradeUnit& unit, const Scene& scene, TradeR
                        mine.volume_ms / theirs.volume_ms,
                        mine.view_ms / theirs.view_ms});
   }
-  for (const auto& [name, time] : kTradeTimes) {
+  for (const auto& [measure, time] : kTradeTimes) {
     std::vector<double> values;
     for (const TradeTimes& times : repeats) values.push_back(times.*time);
     record.*time = spread_of(values).median;

@@ -216,6 +216,7 @@ int tune(const Arguments& arguments) {
                 report_of(work, "tune", tune_json(results), provenance, journal, progress.times()),
             .exit_code = found ? kDone : kFailed,
             .failure = found ? "" : failure_of(results),
+            .checks = tune_checks(results),
             .document = document};
   };
   return run_in_folder(arguments.output, {{"search", 100}}, search_and_write);

@@ -28,18 +28,19 @@ std::vector<std::string> columns_of(const TuneRequest& request) {
     if (std::find(columns.begin(), columns.end(), name) == columns.end()) columns.push_back(name);
   };
   for (const TuneLimit& limit : request.limits) add(limit.name);
-  add("volume_ms");
+  add(times::kVolume.key);
   for (const Measure* always : {&error::kP95, &error::kMissed, &error::kFalse}) add(always->key);
   return columns;
 }
 
 constexpr int kDigits = 3;
 
-/// Their unit is in their name.
 std::vector<Column> columns_for(const std::vector<std::string>& quantities) {
   std::vector<Column> columns;
   for (const std::string& name : quantities) {
-    columns.push_back({.key = name, .digits = kDigits, .significant = true});
+    columns.push_back(column_of(quantity(name)));
+    columns.back().digits = kDigits;
+    columns.back().significant = true;
   }
   return columns;
 }
@@ -257,6 +258,28 @@ std::string nearest_text(const TuneResults& results) {
             beyond_limit(at);
   }
   return text + (results.nearest->on_fresh_seeds ? ", bounds of a further seed" : "");
+}
+
+std::vector<Check> tune_checks(const TuneResults& results) {
+  const TuneCandidate* const chosen = results.chosen();
+  std::vector<TuneNearest::Value> values;
+  if (results.nearest) values = results.nearest->values;
+  if (chosen != nullptr) {
+    for (const TuneLimit& limit : results.options.request.limits) {
+      values.push_back({limit, upper_quantity(*chosen->fresh, limit.name)});
+    }
+  }
+  std::vector<Check> checks;
+  for (const TuneNearest::Value& at : values) {
+    const bool held = std::isfinite(at.value) && at.value <= at.limit.most;
+    checks.push_back({.group = "limits",
+                      .name = text_of(at.limit),
+                      .failure = held ? "" : beyond_limit(at),
+                      .asked = "--limit " + text_of(at.limit),
+                      .limit = at.limit.most,
+                      .value = at.value});
+  }
+  return checks;
 }
 
 std::string request_text(const TuneRequest& request) {

@@ -3,8 +3,10 @@
 
 #include <nlohmann/json_fwd.hpp>
 #include <string>
+#include <vector>
 
 #include "bench/output/document/document.h"
+#include "bench/results/check.h"
 #include "bench/studies/tune/request_study.h"
 #include "bench/studies/tune/tune_study.h"
 
@@ -13,6 +15,9 @@ namespace wobblebench::bench {
 /// `machine`: what measured.
 Document tune_document(const TuneResults& results, const std::string& machine);
 nlohmann::ordered_json tune_json(const TuneResults& results);
+/// Each limit, against the bound of the chosen point on fresh seeds, or against the nearest
+/// point's.
+std::vector<Check> tune_checks(const TuneResults& results);
 /// "point 3 (iso_level 0.5, steps 32): p95_mm 2.4 of at most 2 (20 % above), …"; empty: none is
 /// known.
 std::string nearest_text(const TuneResults& results);

@@ -20,13 +20,13 @@ constexpr std::size_t kMostScans = 12;  // kept at a time: some 100 MB each at t
 /// The time of that name; none: it names a measure.
 std::optional<double> time_of(const TradeScore& score, const std::string& name) {
   for (const auto& [known, time] : kTradeTimes) {
-    if (name == known) return score.*time;
+    if (name == known->key) return score.*time;
   }
   return std::nullopt;
 }
 
 double magnitude(const std::string& name, double value) {
-  return name == "median_mm" ? std::abs(value) : value;
+  return quantity(name).worse == Worse::away_from_zero ? std::abs(value) : value;
 }
 
 /// Scores points of one work, measuring what is not known.
@@ -288,19 +288,22 @@ class Tuning {
 
 }  // namespace
 
-const std::vector<std::string>& tune_quantities() {
-  static const std::vector<std::string> names = [] {
-    std::vector<std::string> all;
-    for (const auto& [name, time] : kTradeTimes) all.emplace_back(name);
-    const auto& measures = trade_measure_names();
-    all.insert(all.end(), measures.begin(), measures.end());
-    return all;
-  }();
-  return names;
+std::vector<std::string> tune_quantities() {
+  std::vector<std::string> all;
+  for (const auto& [measure, time] : kTradeTimes) all.emplace_back(measure->key);
+  for (const Measure* measure : traded()) all.emplace_back(measure->key);
+  return all;
+}
+
+const Measure& quantity(const std::string& name) {
+  for (const auto& [measure, time] : kTradeTimes) {
+    if (name == measure->key) return *measure;
+  }
+  return *traded()[trade_measure(name)];
 }
 
 void check_quantity(const std::string& option, const std::string& name) {
-  const auto& names = tune_quantities();
+  const auto names = tune_quantities();
   if (std::find(names.begin(), names.end(), name) != names.end()) return;
   std::string all;
   for (const std::string& known : names) all += (all.empty() ? "" : ", ") + known;

@@ -21,15 +21,16 @@ struct TuneRequest {
   std::vector<TuneLimit> limits;
 };
 
-/// Times and measures of the picture, with their units: the names of kTradeTimes and
-/// trade_measure_names().
-const std::vector<std::string>& tune_quantities();
+/// Times and measures of the picture, with their units: the keys of kTradeTimes and traded().
+std::vector<std::string> tune_quantities();
+/// The one of this key. Throws std::out_of_range.
+const Measure& quantity(const std::string& name);
 /// Throws UserError "OPTION = NAME: must be one of ...".
 void check_quantity(const std::string& option, const std::string& name);
 /// "p95_mm<=2", with a number above 0. Throws UserError "--limit = TEXT: what is allowed".
 TuneLimit parse_limit(const std::string& text);
 
-/// The magnitude where the name is median_mm. Throws std::out_of_range for an unknown name.
+/// The magnitude of a signed one. Throws std::out_of_range for an unknown name.
 double quantity_of(const TradeScore& score, const std::string& name);
 /// What the quantity stays below on a further seed with a probability of 95 % (upper_of_next());
 /// times, which follow from the machine and not from the seed, as measured.

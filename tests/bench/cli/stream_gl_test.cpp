@@ -351,9 +351,22 @@ TEST_F(StreamCommand, LossesInAStreamFailWhereThatIsAskedFor) {
       words_of("stream --board sim,faults=drop@20 --volumes 2 --errors 0 --codec none --out out"),
       {kSphere, kScan, kPicture});
   EXPECT_EQ(bench(command).exit_code, 0);
-  expect_line(
-      bench(with(command, {{"--fail-on-loss"}})), 1, "--fail-on-loss: 1 of 288 sticks were lost");
+  expect_line(bench(with(command, {{"--fail-on-loss", "--limit", "age_oldest_p50_ms<=1e9"}})),
+              1,
+              "--fail-on-loss: 1 of 288 sticks were lost");
   EXPECT_TRUE(fs::exists(at("out/surface.png")));
+  const Json report = json_of("out/report.json");
+  const Json& checks = report["checks"];
+  ASSERT_EQ(checks.size(), 3U);
+  EXPECT_EQ(checks[0]["held"], true);
+  EXPECT_EQ(checks[1]["asked"], "--fail-on-loss");
+  EXPECT_EQ(checks[1]["limit"], 0);
+  EXPECT_EQ(checks[1]["value"], 1);
+  EXPECT_EQ(checks[1]["held"], false);
+  EXPECT_EQ(checks[2]["name"], "age_oldest_p50_ms<=1e+09");
+  EXPECT_EQ(checks[2]["value"], report["timing"]["latency"]["age_oldest_ms"]["p50"]);
+  EXPECT_EQ(checks[2]["held"], true);
+  EXPECT_TRUE(holds(bytes_of(at("out/report.html")), "<strong>Failed</strong>"));
 }
 
 }  // namespace

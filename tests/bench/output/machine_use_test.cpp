@@ -83,7 +83,7 @@ TEST(FinishedReport, TimesHaveTheUseOfTheMachineBesideThem) {
   Progress progress;
   progress.warn("what was said");
   const auto finished = [&](const char* report) {
-    return nlohmann::json::parse(finished_report(report, progress));
+    return nlohmann::json::parse(finished_report(report, {}, progress));
   };
   const auto timed = finished(R"({"command": "fit", "provenance": {}, "wall_ms": {"fit": 1}})");
   EXPECT_EQ(timed.at("warnings"), nlohmann::json({"what was said"}));

@@ -29,7 +29,7 @@ TradeScore score(std::size_t point, double time, double p95_mm, double wrong_per
   TradeScore result;
   result.point = point;
   result.volume_ratio = time;
-  result.measures.assign(trade_measure_names().size(), exactly(0));
+  result.measures.assign(traded().size(), exactly(0));
   result.measures[trade_measure("p95_mm")] = exactly(p95_mm);
   result.measures[trade_measure("missed_or_false_percent")] = exactly(wrong_percent);
   return result;
@@ -138,7 +138,7 @@ class Journal : public testing_support::FolderTest {
 
   static TradeRecord record(std::size_t point) {
     TradeRecord result{{}, {1, point, 2}, {}, {}};
-    result.measures.assign(trade_measure_names().size(), 0.1 * static_cast<double>(point) + 1. / 3);
+    result.measures.assign(traded().size(), 0.1 * static_cast<double>(point) + 1. / 3);
     result.measures.back() = std::nan("");
     result.volume_ratio = 1. / 7;
     return result;

@@ -16,7 +16,7 @@ namespace {
 TradeScore score(double volume_ms, double p95_mm, double half_mm = 0, double median_mm = 0) {
   TradeScore result;
   result.volume_ms = volume_ms;
-  result.measures.assign(trade_measure_names().size(), {0, 0, 3});
+  result.measures.assign(traded().size(), {0, 0, 3});
   result.measures[trade_measure("p95_mm")] = {p95_mm, half_mm, 3};
   result.measures[trade_measure("median_mm")] = {median_mm, 0, 3};
   return result;
