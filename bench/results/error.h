@@ -62,6 +62,19 @@ inline constexpr Measure kDrawnFalse{
 inline constexpr Measure kDrawnP95{
     "drawn_p95_mm", "P95, drawn beyond", "P95 of the pixels that were not found, but continued"};
 
+inline constexpr Measure kMouthP95{"mouth_p95_mm", "mouth, P95", "P95 of the mouth with its lips"};
+inline constexpr Measure kMouthMissed{
+    "mouth_missed_percent", "mouth, missed", "Of the mouth's pixels: nothing is found"};
+inline constexpr Measure kNoseP95{"nose_p95_mm", "nose, P95", "P95 of the nose"};
+inline constexpr Measure kNoseMissed{
+    "nose_missed_percent", "nose, missed", "Of the nose's pixels: nothing is found"};
+inline constexpr Measure kEyesP95{"eyes_p95_mm", "eyes, P95", "P95 of the eyelids"};
+inline constexpr Measure kEyesMissed{
+    "eyes_missed_percent", "eyes, missed", "Of the eyelids' pixels: nothing is found"};
+inline constexpr Measure kEarsP95{"ears_p95_mm", "ears, P95", "P95 of the ears"};
+inline constexpr Measure kEarsMissed{
+    "ears_missed_percent", "ears, missed", "Of the ears' pixels: nothing is found"};
+
 inline constexpr Measure kNormalMean{
     "normal_mean_deg", "normals, mean", "Mean angle to the true normal, as shaded"};
 inline constexpr Measure kNormalMedian{

@@ -205,6 +205,7 @@ Figure region_figure(const PictureMeasures& error) {
                 .panels = {}};
   for (const auto& [group, title] : {std::pair{"incidence", "By incidence, degrees"},
                                      std::pair{"range", "By range, mm"},
+                                     std::pair{"face", "By part of the face"},
                                      std::pair{"part", "By part"}}) {
     BarChart chart{.title = title, .label = "P95 of the magnitude (mm)"};
     BarPart part{.name = "P95"};

@@ -133,6 +133,15 @@ RegionGroup drawn_pixels(const Image<std::uint8_t>& drawn) {
   return group;
 }
 
+struct FeatureMeasures {
+  const char* name;
+  const Measure *p95, *missed;
+};
+constexpr FeatureMeasures kFeatures[] = {{"mouth", &error::kMouthP95, &error::kMouthMissed},
+                                         {"nose", &error::kNoseP95, &error::kNoseMissed},
+                                         {"eyes", &error::kEyesP95, &error::kEyesMissed},
+                                         {"ears", &error::kEarsP95, &error::kEarsMissed}};
+
 void describe_regions(const PictureMeasures& measures,
                       const ExpectedSurface& expected,
                       Measurements& to) {
@@ -147,6 +156,12 @@ void describe_regions(const PictureMeasures& measures,
   to.add(error::kDrawn, 100.0 * measures.drawn / measures.raw.pixels);
   to.add(error::kDrawnFalse, 100.0 * drawn.false_surface / measures.raw.pixels);
   to.add(error::kDrawnP95, drawn.depth.p95_m / kMillimetre);
+  for (const FeatureMeasures& one : kFeatures) {
+    const RegionError feature = region_of(measures, "face", one.name);
+    const bool is_seen = expected.sought && feature.surface > 0;
+    to.add(*one.p95, feature.depth.p95_m / kMillimetre);
+    to.add(*one.missed, is_seen ? feature.missed_pixels_percent() : kUnset);
+  }
 }
 
 }  // namespace

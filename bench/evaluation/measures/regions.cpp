@@ -88,6 +88,28 @@ RegionGroup by_part(const Truth& truth) {
   return group;
 }
 
+/// What a person looks at first in a face.
+RegionGroup of_face(const Truth& truth) {
+  using phantoms::Part;
+  constexpr std::pair<Part, std::uint8_t> kLabels[] = {{Part::upper_lip, 0},
+                                                       {Part::lower_lip, 0},
+                                                       {Part::mouth, 0},
+                                                       {Part::tongue, 0},
+                                                       {Part::nose, 1},
+                                                       {Part::eyelids, 2},
+                                                       {Part::eye, 2},
+                                                       {Part::ear, 3}};
+  RegionGroup group{
+      "face", {"mouth", "nose", "eyes", "ears"}, {truth.kind.width, truth.kind.height, kNone}};
+  std::array<std::uint8_t, 256> index{};
+  index.fill(kNone);
+  for (const auto& [part, feature] : kLabels) index[static_cast<std::size_t>(part)] = feature;
+  std::ranges::transform(truth.part.pixels, group.index.pixels.begin(), [&](std::uint8_t label) {
+    return index[label];
+  });
+  return group;
+}
+
 RegionGroup unseen(const Truth& truth) {
   RegionGroup group{"unseen",
                     {"outside_field", "grazing", "shadowed"},
@@ -221,6 +243,7 @@ std::vector<RegionGroup> region_groups(const Truth& truth, const render::Camera&
                           1e-9 + static_cast<double>(largest(truth.range_m))));
   if (!truth.parts.empty()) groups.push_back(by_part(truth));
   groups.push_back(unseen(truth));
+  if (!truth.parts.empty()) groups.push_back(of_face(truth));
   return groups;
 }
 

@@ -25,15 +25,16 @@ Image<std::uint8_t> silhouette_band(const Truth& truth,
 
 /// A division of the picture's pixels.
 struct RegionGroup {
-  std::string name;  ///< "silhouette", "incidence", "range", "part", "unseen", "outline"
+  /// "silhouette", "incidence", "range", "part", "face", "unseen", "outline".
+  std::string name;
   std::vector<std::string> regions;  ///< names
   Image<std::uint8_t> index;         ///< into `regions`; their number or more: in none
 };
 
 /// silhouette: "outside" and "within" the band; incidence: between stick and normal, in bins of 20
 /// degrees; range: along the stick, in bins of 20 mm; part: those of a
-/// phantom that names them; unseen: the reasons of TruthKind. A truth that does not know its
-/// crossings has the first group alone.
+/// phantom that names them; face: mouth, nose, eyes and ears of a face; unseen: the reasons of
+/// TruthKind. A truth that does not know its crossings has the first group alone.
 std::vector<RegionGroup> region_groups(const Truth& truth, const render::Camera& camera);
 
 /// Errors of the pixels of one region. Percentages are of the picture's pixels, so that those of a

@@ -359,6 +359,7 @@ Document accuracy_document(const AccuracyResults& results, const Provenance& pro
   add_bounds(results, document);
   add_regions(results, "incidence", "By incidence, degrees", document);
   add_regions(results, "range", "By range, mm", document);
+  add_regions(results, "face", "By part of the face", document);
   add_regions(results, "part", "By part", document);
   add_regions(results, "unseen", "What the probe cannot see", document);
   add_pictures(results, document);

@@ -86,6 +86,9 @@ class LineReader {
       at = stop + 1;
     }
     if (content.measurements == 0) return {};
+    if (!is_of_version_) {
+      throw Fault{"was written by another version of the program; take another folder"};
+    }
     if (!is_of_plan_) throw Fault{"holds the points of another plan"};
     content.whole = end;
     return content;
@@ -98,6 +101,7 @@ class LineReader {
     if (!object) refuse_line(line);
     if (number_ == 1) {
       is_of_plan_ = *object == json_of(head_).dump();
+      is_of_version_ = object->find('"' + head_.schema + '"') != std::string_view::npos;
       if (!object->starts_with(kStart)) throw Fault{"is no journal of measurements"};
       return;
     }
@@ -130,6 +134,7 @@ class LineReader {
   const TakeLine& take_;
   int number_ = 0;
   bool is_of_plan_ = false;
+  bool is_of_version_ = false;
 };
 
 /// Not open: there is no such file. Does not wait for the other end of a FIFO. Throws Fault.

@@ -15,7 +15,7 @@ namespace wobblebench::bench {
 /// Name of a journal's file, and what its first line says.
 struct JournalHead {
   std::string file;    ///< "points.jsonl"
-  std::string schema;  ///< "wobblebench.trade.points/2"
+  std::string schema;  ///< "wobblebench.trade.points/3"
   std::string plan;    ///< hash of all that its lines follow from
 };
 

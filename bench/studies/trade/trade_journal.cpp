@@ -22,11 +22,15 @@ constexpr const Measure* kTraded[] = {&error::kMedian,
                                       &error::kMissed,
                                       &error::kFalse,
                                       &error::kMissedOrFalse,
-                                      &error::kNormalMedian};
+                                      &error::kNormalMedian,
+                                      &error::kMouthP95,
+                                      &error::kNoseP95,
+                                      &error::kEyesP95,
+                                      &error::kEarsP95};
 
 using Json = nlohmann::ordered_json;
 
-constexpr const char* kSchema = "wobblebench.trade.points/2";
+constexpr const char* kSchema = "wobblebench.trade.points/3";
 
 constexpr std::pair<const char*, double EvaluationTimes::*> kEvaluationTimes[] = {
     {"evaluation_renderer_ms", &EvaluationTimes::renderer_ms},

@@ -9,7 +9,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr const char* kSchema = "wobblebench.tune.points/1";
+constexpr const char* kSchema = "wobblebench.tune.points/2";
 
 TuneKey key_of(const Json& line) {
   return {line.at("part"), line.at("scene"), line.at("settings"), line.at("seed")};

@@ -4,8 +4,11 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 
+#include "bench/evaluation/measures/picture_measures.h"
+#include "bench/results/error.h"
 #include "tests/bench/evaluation/measures/made_up_truth.h"
 
 namespace wobblebench::bench {
@@ -108,6 +111,13 @@ TEST(Regions, SeparateErrorsByIncidenceRangeAndPart) {
   EXPECT_NEAR(find(errors, "part", "nose").depth.bias_m, 1e-3, 1e-8);
   EXPECT_EQ(find(errors, "part", "cheek").depth.bias_m, 0);
   EXPECT_EQ(find(errors, "silhouette", "outside").surface, 400);
+  const PictureMeasures measures{
+      .raw = raw, .filtered = raw, .shaded = {}, .regions = errors, .distance = {}};
+  const Measurements described_as = described(measures, ExpectedSurface());
+  EXPECT_NEAR(described_as.value(error::kNoseP95), 1, 1e-5) << "the cheek is no feature";
+  EXPECT_NEAR(described_as.value(error::kNoseMissed), 10, 1e-9);
+  EXPECT_TRUE(std::isnan(described_as.value(error::kMouthP95)));
+  EXPECT_TRUE(std::isnan(described_as.value(error::kMouthMissed)));
 }
 
 TEST(Regions, OfAGroupAddUpToThePicture) {

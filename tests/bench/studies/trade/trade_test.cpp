@@ -295,6 +295,14 @@ TEST_F(Journal, WithoutAMeasurementItIsOfNoPlan) {
   EXPECT_TRUE(content.machines.empty());
 }
 
+TEST_F(Journal, OfAVersionThatMeasuredOtherFiguresIsRefused) {
+  JournalFile(folder_,
+              {TradeJournal::kFile, "wobblebench.trade.points/2", "plan"},
+              [](const nlohmann::ordered_json&) {})
+      .append({{"scene", 0}});
+  expect_refused("was written by another version of the program; take another folder");
+}
+
 TEST_F(Journal, OfAnotherPlanIsRefusedAndStaysAsItIs) {
   TradeJournal(folder_, "plan").append(record(0));
   const auto size = std::filesystem::file_size(file());
