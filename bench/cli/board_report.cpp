@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <sstream>
 
 #include "base/number_text.h"
 #include "bench/output/report_parts.h"
@@ -11,6 +12,33 @@
 namespace wobblebench::bench {
 
 using Json = nlohmann::ordered_json;
+
+namespace {
+
+std::string trimmed(const std::string& text) {
+  const auto first = text.find_first_not_of(' ');
+  return first == std::string::npos ? ""
+                                    : text.substr(first, text.find_last_not_of(' ') + 1 - first);
+}
+
+}  // namespace
+
+std::string summary_list(const std::string& summary) {
+  constexpr std::size_t kNameColumns = 12;
+  std::string list;
+  std::istringstream lines(summary);
+  for (std::string line; std::getline(lines, line);) {
+    const std::string text = trimmed(line.size() > kNameColumns ? line.substr(kNameColumns) : "");
+    const std::string name = trimmed(line.substr(0, kNameColumns));
+    if (name == "results") continue;  // where this page is
+    if (name.empty()) {
+      list += "; " + text;
+    } else {
+      list += (list.empty() ? "- **" : "\n- **") + name + "** " + text;
+    }
+  }
+  return list + "\n";
+}
 
 std::string losses_text(const hw::BoardAccount& account) {
   std::string text;

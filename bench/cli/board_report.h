@@ -1,4 +1,4 @@
-// What report.json says of the board and of the simulator.
+// What report.json says of the board and of the simulator; a summary as a list of the page.
 #pragma once
 
 #include <cstdint>
@@ -11,6 +11,10 @@
 #include "sim/fidelity.h"
 
 namespace wobblebench::bench {
+
+/// A list of what a summary says: its lines begin with the name of what they are about, in columns
+/// of 12 characters; a line without a name goes on with the one before.
+std::string summary_list(const std::string& summary);
 
 /// ", N lost: CAUSE" for each cause that lost sticks.
 std::string losses_text(const hw::BoardAccount& account);

@@ -17,7 +17,6 @@
 #include "base/user_error.h"
 #include "bench/cache/phantom_cache.h"
 #include "bench/cli/board_report.h"
-#include "bench/cli/run/run_page.h"
 #include "bench/command/commands.h"
 #include "bench/command/common_options.h"
 #include "bench/command/program.h"

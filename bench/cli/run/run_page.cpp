@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <sstream>
 
 #include "base/number_text.h"
 #include "base/units.h"
@@ -21,16 +20,9 @@ namespace wobblebench::bench {
 namespace {
 
 constexpr int kMostMapSide = 512;  // so that a page of a large picture stays below 3 MB
-constexpr std::size_t kNameColumns = 12;
 
 double mm(double metres) {
   return metres / kMillimetre;
-}
-
-std::string trimmed(const std::string& text) {
-  const auto first = text.find_first_not_of(' ');
-  return first == std::string::npos ? ""
-                                    : text.substr(first, text.find_last_not_of(' ') + 1 - first);
 }
 
 // ---- pictures
@@ -291,22 +283,6 @@ void add_board(const RunResult& result, Document& page) {
 }
 
 }  // namespace
-
-std::string summary_list(const std::string& summary) {
-  std::string list;
-  std::istringstream lines(summary);
-  for (std::string line; std::getline(lines, line);) {
-    const std::string text = trimmed(line.size() > kNameColumns ? line.substr(kNameColumns) : "");
-    const std::string name = trimmed(line.substr(0, kNameColumns));
-    if (name == "results") continue;  // where this page is
-    if (name.empty()) {
-      list += "; " + text;
-    } else {
-      list += (list.empty() ? "- **" : "\n- **") + name + "** " + text;
-    }
-  }
-  return list + "\n";
-}
 
 Figure error_figure(const Image<float>& error_m) {
   const std::vector<double> errors = errors_mm(error_m);

@@ -21,10 +21,6 @@ Document score_document(const PictureResult& result,
                         const ResolvedScene& scene,
                         const std::string& summary);
 
-/// A list of what a summary says: its lines begin with the name of what they are about, in columns
-/// of 12 characters; a line without a name goes on with the one before.
-std::string summary_list(const std::string& summary);
-
 /// Percentages of the pixels with an error, by its size: the signed error in bins of 0.1 mm, and of
 /// its magnitude those below each length.
 Figure error_figure(const Image<float>& error_m);

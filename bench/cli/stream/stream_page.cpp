@@ -6,7 +6,6 @@
 #include "base/number_text.h"
 #include "base/units.h"
 #include "bench/cli/board_report.h"
-#include "bench/cli/run/run_page.h"
 #include "bench/output/document/figures_table.h"
 #include "bench/results/error.h"
 #include "bench/studies/latency/latency_spans_report.h"

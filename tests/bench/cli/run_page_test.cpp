@@ -5,6 +5,7 @@
 
 #include <cmath>
 
+#include "bench/cli/board_report.h"
 #include "bench/cli/run/run_pictures.h"
 
 namespace wobblebench::bench {
