@@ -86,9 +86,7 @@ class LineReader {
       at = stop + 1;
     }
     if (content.measurements == 0) return {};
-    if (!is_of_version_) {
-      throw Fault{"was written by another version of the program; take another folder"};
-    }
+    if (!is_of_version_) throw Fault{"was written by another version of the program"};
     if (!is_of_plan_) throw Fault{"holds the points of another plan"};
     content.whole = end;
     return content;

@@ -300,7 +300,7 @@ TEST_F(Journal, OfAVersionThatMeasuredOtherFiguresIsRefused) {
               {TradeJournal::kFile, "wobblebench.trade.points/2", "plan"},
               [](const nlohmann::ordered_json&) {})
       .append({{"scene", 0}});
-  expect_refused("was written by another version of the program; take another folder");
+  expect_refused("was written by another version of the program; give another folder");
 }
 
 TEST_F(Journal, OfAnotherPlanIsRefusedAndStaysAsItIs) {
