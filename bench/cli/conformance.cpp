@@ -1,4 +1,4 @@
-// The board's contract, checked on any board; and the proof that each check can fail.
+// The board's contract, checked on any board.
 #include <algorithm>
 #include <iomanip>
 #include <memory>
@@ -6,7 +6,6 @@
 #include <sstream>
 #include <string>
 
-#include "bench/board_checks/conformance/defects.h"
 #include "bench/board_checks/conformance/suite.h"
 #include "bench/command/commands.h"
 #include "bench/command/common_options.h"
@@ -20,6 +19,13 @@
 namespace wobblebench::bench {
 
 namespace {
+
+/// The suite on one board.
+struct SuiteRun {
+  std::string board;
+  std::string faults;  ///< added around it; empty: none
+  std::vector<CheckOutcome> outcomes;
+};
 
 Json to_json(const SuiteRun& run) {
   Json checks = Json::array();
@@ -49,19 +55,9 @@ void write_run(std::ostream& text, const SuiteRun& run) {
   }
 }
 
-void write_defects(std::ostream& text, const std::vector<DefectOutcome>& defects) {
-  if (defects.empty()) return;
-  text << "deliberately broken boards\n";
-  for (const DefectOutcome& defect : defects) {
-    text << "  " << (defect.detected() ? "caught " : "MISSED ") << "  " << std::left
-         << std::setw(20) << defect.defect.check << "  " << defect.defect.what << ": "
-         << defect.outcome.detail << "\n";
-  }
-}
-
-std::vector<const SuiteRun*> bare_runs(const ConformanceFindings& findings) {
+std::vector<const SuiteRun*> bare_runs(const std::vector<SuiteRun>& runs) {
   std::vector<const SuiteRun*> bare;
-  for (const SuiteRun& run : findings.runs) {
+  for (const SuiteRun& run : runs) {
     if (run.faults.empty()) bare.push_back(&run);
   }
   return bare;
@@ -93,12 +89,12 @@ Table check_table(const std::vector<const SuiteRun*>& runs) {
 }
 
 /// A row for each fault, a column for each board: passed, failed and skipped checks.
-Table fault_table(const ConformanceFindings& findings) {
+Table fault_table(const std::vector<SuiteRun>& runs) {
   Table table{.name = "faults", .columns = {{"faults"}}};
-  for (const SuiteRun* run : bare_runs(findings)) table.columns.push_back({run->board});
+  for (const SuiteRun* run : bare_runs(runs)) table.columns.push_back({run->board});
   for (const std::string& faults : each_fault()) {
     std::vector<Cell> cells = {Cell::code(faults)};
-    for (const SuiteRun& run : findings.runs) {
+    for (const SuiteRun& run : runs) {
       if (run.faults != faults) continue;
       const auto number = [&](CheckOutcome::Kind kind) {
         return std::to_string(count(run.outcomes, kind));
@@ -112,75 +108,55 @@ Table fault_table(const ConformanceFindings& findings) {
   return table;
 }
 
-Table defect_table(const std::vector<DefectOutcome>& defects) {
-  using D = DefectOutcome;
-  return table_of<D>(
-      {.name = "defects"},
-      defects,
-      {{{"check"}, [](const D& of) { return Cell::code(of.defect.check); }},
-       {{"what", "what is wrong"}, [](const D& of) { return of.defect.what; }},
-       {{"caught"}, &D::detected},
-       {{"detail", "what the check saw"}, [](const D& of) { return of.outcome.detail; }}});
-}
-
 /// What a check saw may differ between two equal runs; its outcome does not.
 void move_details(Json& report) {
-  for (const char* list : {"checks", "broken"}) {
-    report["timing"][list] = report[list];
-    for (Json& check : report[list]) check.erase("detail");
-  }
+  report["timing"]["checks"] = report["checks"];
+  for (Json& check : report["checks"]) check.erase("detail");
 }
 
 /// The text of report.json.
-std::string conformance_report(const ConformanceFindings& findings,
+std::string conformance_report(const std::vector<SuiteRun>& runs,
                                const Scene& scene,
                                const StepTimes& times) {
   Json report = report_head("conformance", provenance_of_this_machine(), scene);
   report["checks"] = Json::array();
-  for (const SuiteRun& run : findings.runs) {
+  for (const SuiteRun& run : runs) {
     for (const Json& check : to_json(run)) report["checks"].push_back(check);
   }
-  report["broken"] = to_json(defect_table(findings.defects));
   move_details(report);
   report["wall_ms"] = wall_json(times);
   return report_text(report);
 }
 
-/// Checks against boards, then faults against boards, then the seeded defects.
-Document conformance_document(const ConformanceFindings& findings, const Provenance& provenance) {
+/// Checks against boards, then faults against boards.
+Document conformance_document(const std::vector<SuiteRun>& runs, const Provenance& provenance) {
   Document document{.title = "Conformance", .name = "conformance"};
   document
       .add(Text{"Written by `wobblebench conformance`. CPU: " + provenance.cpu + ", " +
                 std::to_string(provenance.threads) + " threads. Commit: " + provenance.commit +
                 ". Each check opens the board anew. No card was there: `stand-in` behaves like its "
                 "driver (hw/emulator), `fifo-stand-in` is a FIFO."})
-      .add(check_table(bare_runs(findings)));
-  if (bare_runs(findings).size() < findings.runs.size()) {
+      .add(check_table(bare_runs(runs)));
+  if (bare_runs(runs).size() < runs.size()) {
     document.add(Heading{"With each fault"})
         .add(Text{"Checks that passed, failed and were skipped; what each skip waits for stands in "
                   "the report."})
-        .add(fault_table(findings));
-  }
-  if (!findings.defects.empty()) {
-    document.add(Heading{"Deliberately broken boards"})
-        .add(Text{"Each is broken in one way, and the check meant for it has to fail."})
-        .add(defect_table(findings.defects));
+        .add(fault_table(runs));
   }
   return document;
 }
 
 /// A line a check, for a terminal.
-std::string conformance_summary(const ConformanceFindings& findings) {
+std::string conformance_summary(const std::vector<SuiteRun>& runs) {
   std::ostringstream text;
-  for (const SuiteRun& run : findings.runs) write_run(text, run);
-  write_defects(text, findings.defects);
+  for (const SuiteRun& run : runs) write_run(text, run);
   return text.str();
 }
 
-/// Each check of each board, and whether each broken board was caught, for --junit.
-std::vector<Check> test_cases(const ConformanceFindings& findings) {
+/// Each check of each board, for --junit.
+std::vector<Check> test_cases(const std::vector<SuiteRun>& runs) {
   std::vector<Check> cases;
-  for (const SuiteRun& run : findings.runs) {
+  for (const SuiteRun& run : runs) {
     const std::string with = run.faults.empty() ? "" : " with " + run.faults;
     for (const CheckOutcome& outcome : run.outcomes) {
       Check& test = cases.emplace_back(Check{"conformance." + run.board + with, outcome.name});
@@ -188,12 +164,6 @@ std::vector<Check> test_cases(const ConformanceFindings& findings) {
       const bool failed = outcome.kind == CheckOutcome::Kind::failed;
       (passed ? test.output : failed ? test.failure : test.skipped) = outcome.detail;
     }
-  }
-  for (const DefectOutcome& defect : findings.defects) {
-    cases.push_back({.group = "conformance.broken boards",
-                     .name = defect.defect.check + ": " + defect.defect.what,
-                     .failure = defect.detected() ? "" : "was not caught",
-                     .output = defect.outcome.detail});
   }
   return cases;
 }
@@ -203,11 +173,9 @@ struct ConformanceArguments {
   OutputArguments output;
   std::vector<std::string> boards = {"sim"};
   bool each_fault = false;
-  bool broken = false;
 };
 
 // Names of the steps.
-constexpr const char* kBroken = "broken boards";
 std::string opening(const BoardArguments& board) {
   return "open " + board.text;
 }
@@ -224,7 +192,6 @@ std::vector<PlannedStep> planned_steps(const std::vector<BoardArguments>& boards
     if (!arguments.each_fault) continue;
     for (const std::string& faults : each_fault()) steps.push_back({faulty_name(board, faults), 1});
   }
-  if (arguments.broken) steps.push_back({kBroken, 15});
   return steps;
 }
 
@@ -271,25 +238,25 @@ std::vector<BoardArguments> boards_of(const ConformanceArguments& arguments) {
   return boards;
 }
 
+bool has_failed(const SuiteRun& run) {
+  return count(run.outcomes, CheckOutcome::Kind::failed) > 0;
+}
+
 int check_boards(const ConformanceArguments& arguments) {
   const Scene scene = load_scene(arguments.scene.file, arguments.scene.settings);
   const std::vector<BoardArguments> boards = boards_of(arguments);
   const auto work = [&](OutputFolder&, Progress& progress) {
     warn_of_scan(scene, std::ranges::any_of(boards, sends_the_scene), progress);
-    ConformanceFindings findings;
+    std::vector<SuiteRun> runs;
     for (const BoardArguments& board : boards) {
-      const auto runs = check_board(board, scene, arguments.each_fault, progress);
-      findings.runs.insert(findings.runs.end(), runs.begin(), runs.end());
+      const auto more = check_board(board, scene, arguments.each_fault, progress);
+      runs.insert(runs.end(), more.begin(), more.end());
     }
-    if (arguments.broken) {
-      findings.defects =
-          progress.step(kBroken, [](const PartDone& done) { return check_defects(done); });
-    }
-    return CommandResult{.report = conformance_report(findings, scene, progress.steps()),
-                         .summary = conformance_summary(findings),
-                         .exit_code = findings.passed() ? kDone : kFailed,
-                         .checks = test_cases(findings),
-                         .document = conformance_document(findings, provenance_of_this_machine())};
+    return CommandResult{.report = conformance_report(runs, scene, progress.steps()),
+                         .summary = conformance_summary(runs),
+                         .exit_code = std::ranges::any_of(runs, has_failed) ? kFailed : kDone,
+                         .checks = test_cases(runs),
+                         .document = conformance_document(runs, provenance_of_this_machine())};
   };
   return run_in_folder(arguments.output, planned_steps(boards, arguments), work);
 }
@@ -308,8 +275,6 @@ Command add_conformance_command(CLI::App& app) {
            "As for run, or xdma=stand-in, xdma=fifo-stand-in (repeatable)");
   add_flag(
       command, "--each-fault", arguments->each_fault, "On the board with each kind of fault, too");
-  add_flag(
-      command, "--broken", arguments->broken, "Show with broken boards that each check can fail");
   return {&command, [arguments] { return check_boards(*arguments); }};
 }
 

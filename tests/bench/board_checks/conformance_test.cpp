@@ -3,10 +3,10 @@
 
 #include <set>
 
-#include "bench/board_checks/conformance/defects.h"
 #include "bench/board_checks/conformance/suite.h"
 #include "bench/pipeline/board_link.h"
 #include "bench/scene/scene.h"
+#include "tests/bench/board_checks/defects.h"
 #include "tests/support/expect.h"
 
 namespace wobblebench::bench {

@@ -6,7 +6,7 @@
 #include <thread>
 #include <utility>
 
-#include "bench/board_checks/conformance/defects.h"
+#include "tests/bench/board_checks/defects.h"
 
 namespace wobblebench::bench {
 

@@ -29,22 +29,6 @@ struct DefectOutcome {
   CheckOutcome outcome;  ///< of the check `defect.check`
   bool detected() const { return outcome.kind == CheckOutcome::Kind::failed; }
 };
-std::vector<DefectOutcome> check_defects(const PartDone& done = {});
-
-/// The suite on one board.
-struct SuiteRun {
-  std::string board;
-  std::string faults;  ///< added around it; empty: none
-  std::vector<CheckOutcome> outcomes;
-};
-
-/// Results of the suite on several boards.
-struct ConformanceFindings {
-  std::vector<SuiteRun> runs;
-  std::vector<DefectOutcome> defects;
-
-  /// No check failed, and every seeded defect was detected.
-  bool passed() const;
-};
+std::vector<DefectOutcome> check_defects();
 
 }  // namespace wobblebench::bench

@@ -1,4 +1,4 @@
-#include "bench/board_checks/conformance/defects.h"
+#include "tests/bench/board_checks/defects.h"
 
 #include <algorithm>
 #include <atomic>
@@ -35,31 +35,17 @@ std::vector<Defect> seeded_defects() {
   return all;
 }
 
-std::vector<DefectOutcome> check_defects(const PartDone& done) {
+std::vector<DefectOutcome> check_defects() {
   const auto checks = conformance_checks();
   std::vector<DefectOutcome> outcomes;
-  auto defects = seeded_defects();
-  PartCount parts(defects.size(), done);
-  for (Defect& defect : defects) {
+  for (Defect& defect : seeded_defects()) {
     const auto check = std::find_if(
         checks.begin(), checks.end(), [&](const auto& one) { return one.name == defect.check; });
     if (check == checks.end()) throw std::logic_error("no check is named " + defect.check);
     CheckOutcome outcome = run_check(*check, defect.fixture);
     outcomes.push_back({std::move(defect), std::move(outcome)});
-    parts.finish_one();
   }
   return outcomes;
-}
-
-bool ConformanceFindings::passed() const {
-  return std::all_of(runs.begin(),
-                     runs.end(),
-                     [](const SuiteRun& run) {
-                       return count(run.outcomes, CheckOutcome::Kind::failed) == 0;
-                     }) &&
-         std::all_of(defects.begin(), defects.end(), [](const DefectOutcome& defect) {
-           return defect.detected();
-         });
 }
 
 namespace {
