@@ -106,7 +106,11 @@ class Outline {
         found_(block_means(depth_m, side_, [&](int c, int r) { return has(c, r) ? 1.0 : 0.0; })) {}
 
   Plane smoothed() const {
-    const Plane share = gaussian_mean(found_, sigma_ / side_);
+    // Less what the mean of the mean falls below the mean: a curved border stays where it is.
+    const Plane once = gaussian_mean(found_, sigma_ / side_);
+    const Plane twice = gaussian_mean(once, sigma_ / side_);
+    const Plane share =
+        plane_of(found_, [&](int c, int r) { return 2 * once.at(c, r) - twice.at(c, r); });
     const Plane near = box_mean(found_, blocks(kOutlineBand_m));
     const Plane steep = steep_share();
     return plane_of(depth_m_, [&](int c, int r) {

@@ -17,8 +17,9 @@ inline constexpr double kOutlineBand_m = 6e-3;
 
 /// Smooths the border of z, metres, to pixels without a surface, where the surface beside it is
 /// steep: the surface ends where a Gaussian mean of its pixels, with the standard deviation
-/// RayCastingOptions::outline_m, is one half. Pixels beyond are left out (kNoSurface); those within
-/// that have no z continue a quadratic surface through their neighbours.
+/// RayCastingOptions::outline_m, is one half, once the mean's own rounding of curves is made up
+/// for. Pixels beyond are left out (kNoSurface); those within that have no z continue a quadratic
+/// surface through their neighbours.
 void smooth_outline(Image<double>& depth_m,
                     const hw::ProbeGeometry& geometry,
                     const RenderOptions& options);

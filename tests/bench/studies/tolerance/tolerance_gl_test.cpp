@@ -10,11 +10,12 @@ namespace {
 
 using Json = nlohmann::json;
 
-/// Small, but with a surface far from its silhouette.
+/// Small, but with a surface far from its silhouette, and a rim of a pixel or two, which is kept.
 const Words kBall =
     set("phantom.name=sphere phantom.voxel_mm=2 acquisition.frames_per_volume=13 "
         "acquisition.sticks_per_frame=24 render.ray_casting.image_size=64 "
-        "render.scan_conversion.slice_size=64 render.ray_casting.iso_level=0.72");
+        "render.scan_conversion.slice_size=64 render.ray_casting.iso_level=0.72 "
+        "render.ray_casting.outline_mm=0");
 
 class Tolerance : public InFolder {
  protected:
