@@ -43,7 +43,8 @@ SharedFrames unpacked(const std::vector<PackedFrame>& frames) {
 }
 
 std::size_t bytes_of(const PastVolume& past) {
-  std::size_t bytes = past.message.bytes->size() + past.depth_m.pixels.size() * sizeof(float);
+  std::size_t bytes = past.message.bytes->size() + past.depth_m.pixels.size() * sizeof(float) +
+                      past.drawn.pixels.size();
   if (!past.frames) return bytes;
   for (const PackedFrame& frame : *past.frames) {
     bytes +=
@@ -57,6 +58,7 @@ std::size_t bytes_of(const PastVolume& past) {
 LivePicture PastVolume::unpacked() const {
   LivePicture shown{.picture = {}, .state = state, .volume = volume, .frames = nullptr};
   shown.picture.depth_m = depth_m;
+  shown.picture.drawn = drawn;
   if (frames) shown.frames = bench::unpacked(*frames);
   return shown;
 }
@@ -68,6 +70,7 @@ void LiveHistory::add(const LivePicture& shown, LiveMessage message) {
   past->state = shown.state;
   past->volume = shown.volume;
   past->depth_m = shown.picture.depth_m;
+  past->drawn = shown.picture.drawn;
   const std::lock_guard lock(mutex_);
   if (!volumes_.empty() && volumes_.back()->volume == shown.volume) {
     // Only settings have changed, as a rule.

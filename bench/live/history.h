@@ -33,6 +33,7 @@ struct PastVolume {
   std::shared_ptr<const LiveState> state;
   std::uint32_t volume = 0;
   Image<float> depth_m;
+  Image<std::uint8_t> drawn;                               ///< render::Picture::drawn
   std::shared_ptr<const std::vector<PackedFrame>> frames;  ///< null: none was whole
   std::size_t bytes = 0;                                   ///< of memory
 

@@ -280,7 +280,8 @@ TEST_F(RunReport, TheSummarySaysWhatWasFitted) {
       << result.out;
   EXPECT_TRUE(std::regex_search(
       result.out,
-      std::regex("\n            bias -?[0-9.e-]+ mm \\(-?[0-9.e-]+ to -?[0-9.e-]+\\)\n")))
+      std::regex(
+          "\n            bias along the ray -?[0-9.e-]+ mm \\(-?[0-9.e-]+ to -?[0-9.e-]+\\)\n")))
       << result.out;
 }
 
