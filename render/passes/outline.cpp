@@ -9,14 +9,18 @@
 #include "base/parallel.h"
 #include "render/camera.h"
 #include "render/passes/pieces.h"
+#include "render/passes/surface_depth.h"
 #include "render/picture.h"
 
 namespace wobblebench::render {
 namespace {
 
-/// Side of the window that z is averaged over for its normal, and how near the border it is
-/// looked at.
-constexpr double kNormalWindow_m = 2.5e-3, kRim_m = 2e-3;
+/// Beyond this angle between its normal and the stick a surface is lost, sooner or later, to noise
+/// and total reflection; its border there is smoothed.
+constexpr double kSteepBorder_rad = 65 * kDegree;
+/// Largest distance from the border of what is drawn or left out, and of what is looked at for its
+/// normal.
+constexpr double kOutlineBand_m = 6e-3, kRim_m = 2e-3;
 /// Neighbours that lie farther, root mean square, from the quadratic surface through them are of
 /// several surfaces, as in the corner between ear and neck: none of these is continued.
 constexpr double kOneSurface_m = 1e-3;
@@ -250,18 +254,11 @@ double Outline::continued(int column, int row) const {
 
 }  // namespace
 
-void smooth_outline(Image<double>& depth_m,
-                    const hw::ProbeGeometry& geometry,
-                    const RenderOptions& options) {
-  if (options.ray_casting.outline_m == 0) return;
-  depth_m = Outline(depth_m, geometry, options).smoothed();
-}
-
 Image<double> finished_surface(const Image<double>& found_m,
                                const hw::ProbeGeometry& geometry,
                                const RenderOptions& options) {
   Image<double> depth_m = found_m;
-  smooth_outline(depth_m, geometry, options);
+  if (options.ray_casting.outline_m > 0) depth_m = Outline(found_m, geometry, options).smoothed();
   drop_small_pieces(depth_m, options);
   return depth_m;
 }

@@ -124,10 +124,7 @@ void add_maps(const PictureResult& result, const render::Camera& camera, std::ve
   const Comparison& comparison = *result.comparison;
   jobs.push_back({"truth_depth.exr", [&] {
                     const Truth& truth = comparison.truth;
-                    Image<float> reason(truth.kind.width, truth.kind.height);
-                    std::ranges::transform(truth.kind.pixels,
-                                           reason.pixels.begin(),
-                                           [](TruthKind kind) { return static_cast<float>(kind); });
+                    const auto reason = converted<float>(truth.kind);
                     return exr_mm({{"Z", &truth.depth_m},
                                    {"Z_crossing", &truth.crossing_m},
                                    {"truth_reason", &reason, 1}},

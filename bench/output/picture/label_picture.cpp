@@ -172,11 +172,10 @@ Panel visibility_panel(const Truth& truth, const Labels& labels, const render::C
 }  // namespace
 
 LabelMaps label_maps(const Truth& truth, const Labels& labels) {
-  const int width = truth.kind.width, height = truth.kind.height;
-  LabelMaps maps{{width, height}, {width, height}, {width, height}};
-  for (std::size_t i = 0; i < maps.part.pixels.size(); ++i) {
-    maps.part.pixels[i] = truth.part.pixels[i];
-    maps.before.pixels[i] = labels.before.pixels[i];
+  LabelMaps maps{converted<float>(truth.part),
+                 converted<float>(labels.before),
+                 {truth.kind.width, truth.kind.height}};
+  for (std::size_t i = 0; i < maps.visible.pixels.size(); ++i) {
     maps.visible.pixels[i] =
         Labels::is_visible(truth.kind.pixels[i], labels.before.pixels[i]) ? 1.0F : 0.0F;
   }
