@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 #include <utility>
 
+#include "bench/cli/report_schema.h"
 #include "bench/evaluation/measures/picture_measures.h"
 #include "bench/output/document/table.h"
 #include "bench/results/counts.h"
@@ -42,9 +43,16 @@ std::string measures_text() {
 
 std::vector<Command> add_commands(CLI::App& app) {
   app.require_subcommand(1);
-  const auto print = [] { throw CLI::CallForVersion(measures_text(), CLI::ExitCodes::Success); };
-  app.add_flag_callback("--measures", print, "Print the figures, and what they are")
-      ->trigger_on_parse();
+  const auto print = [&app](const char* flag, const char* help, const auto& text) {
+    const auto show = [text] { throw CLI::CallForVersion(text(), CLI::ExitCodes::Success); };
+    app.add_flag_callback(flag, show, help)->trigger_on_parse();
+  };
+  print("--measures", "Print the figures, and what they are", measures_text);
+  print("--report-schema", "Print the JSON Schema of report.json", [&app] {
+    std::vector<std::string> names;
+    for (const CLI::App* command : app.get_subcommands({})) names.push_back(command->get_name());
+    return report_schema(names);
+  });
   std::vector<Command> commands = {
       add_run_command(app),         add_score_command(app),    add_compare_command(app),
       add_stream_command(app),      add_live_command(app),     add_latency_command(app),

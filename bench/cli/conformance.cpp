@@ -14,6 +14,7 @@
 #include "bench/output/report_parts.h"
 #include "bench/pipeline/acquisitions.h"
 #include "bench/pipeline/scene_warnings.h"
+#include "bench/results/check.h"
 #include "bench/scene/scene.h"
 
 namespace wobblebench::bench {
@@ -27,20 +28,29 @@ struct SuiteRun {
   std::vector<CheckOutcome> outcomes;
 };
 
-Json to_json(const SuiteRun& run) {
+Json checks_json(const std::vector<SuiteRun>& runs) {
   Json checks = Json::array();
-  for (const CheckOutcome& outcome : run.outcomes) {
-    const bool skipped = outcome.kind == CheckOutcome::Kind::skipped;
-    const bool passed = outcome.kind == CheckOutcome::Kind::passed;
-    checks.push_back({{"board", run.board},
-                      {"faults", run.faults.empty() ? Json(nullptr) : Json(run.faults)},
-                      {"name", outcome.name},
-                      {"rule", outcome.rule},
-                      {"outcome", to_string(outcome.kind)},
-                      {"held", skipped ? Json(nullptr) : Json(passed)},
-                      {"detail", outcome.detail}});
+  for (const SuiteRun& run : runs) {
+    for (const CheckOutcome& outcome : run.outcomes) {
+      Check check{.group = "conformance", .name = outcome.name};
+      if (outcome.kind == CheckOutcome::Kind::failed) check.failure = outcome.detail;
+      if (outcome.kind == CheckOutcome::Kind::skipped) check.skipped = outcome.detail;
+      checks.push_back(to_json(std::vector{check}).front());
+      checks.back().update({{"board", run.board},
+                            {"faults", run.faults.empty() ? Json(nullptr) : Json(run.faults)},
+                            {"rule", outcome.rule}});
+    }
   }
   return checks;
+}
+
+/// What each check saw, which may differ between two equal runs.
+Json details_json(const std::vector<SuiteRun>& runs) {
+  Json details = Json::array();
+  for (const SuiteRun& run : runs) {
+    for (const CheckOutcome& outcome : run.outcomes) details.push_back(outcome.detail);
+  }
+  return details;
 }
 
 void write_run(std::ostream& text, const SuiteRun& run) {
@@ -108,22 +118,13 @@ Table fault_table(const std::vector<SuiteRun>& runs) {
   return table;
 }
 
-/// What a check saw may differ between two equal runs; its outcome does not.
-void move_details(Json& report) {
-  report["timing"]["checks"] = report["checks"];
-  for (Json& check : report["checks"]) check.erase("detail");
-}
-
 /// The text of report.json.
 std::string conformance_report(const std::vector<SuiteRun>& runs,
                                const Scene& scene,
                                const StepTimes& times) {
   Json report = report_head("conformance", provenance_of_this_machine(), scene);
-  report["checks"] = Json::array();
-  for (const SuiteRun& run : runs) {
-    for (const Json& check : to_json(run)) report["checks"].push_back(check);
-  }
-  move_details(report);
+  report["checks"] = checks_json(runs);
+  report["timing"]["details"] = details_json(runs);
   report["wall_ms"] = wall_json(times);
   return report_text(report);
 }

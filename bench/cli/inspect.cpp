@@ -21,6 +21,7 @@
 #include "bench/output/report_parts.h"
 #include "bench/pipeline/motor_warning.h"
 #include "bench/pipeline/recording_sink.h"
+#include "bench/results/check.h"
 #include "hw/link/link.h"
 #include "hw/recording/recording.h"
 
@@ -33,13 +34,6 @@ using Json = nlohmann::ordered_json;
 /// Most damaged regions, gaps, incomplete volumes, acquisitions and jumps of the clock that the
 /// summary lists.
 constexpr std::size_t kMostListed = 10;
-
-Json check_json(const std::string& name, bool passed, const std::string& detail) {
-  return {{"name", name},
-          {"outcome", passed ? "passed" : "failed"},
-          {"held", passed},
-          {"detail", detail}};
-}
 
 std::string count(std::uint64_t number, const std::string& what) {
   return std::to_string(number) + " " + what + (number == 1 ? "" : "s");
@@ -57,22 +51,22 @@ Json unreadable_json(const hw::RecordingContents& contents) {
   return {{"offset", offset}, {"bytes", contents.bytes - offset}, {"reason", reason}};
 }
 
-Json checks_json(const hw::RecordingContents& contents) {
-  const auto& unreadable = contents.unreadable;
-  return Json::array(
-      {check_json("recording.readable",
-                  !unreadable,
-                  unreadable ? unreadable_text(contents) : "to its end"),
-       check_json("recording.bytes",
-                  contents.damage.regions == 0,
-                  count(contents.damage.bytes_skipped, "byte") + " belong to no packet, in " +
-                      count(contents.damage.regions, "place")),
-       check_json("recording.configuration",
-                  contents.configuration.has_value(),
-                  count(contents.configurations, "configuration")),
-       check_json("recording.consistent",
-                  contents.contradictions == 0,
-                  count(contents.contradictions, "packet") + " contradict the configuration")});
+std::vector<Check> checks_of(const hw::RecordingContents& contents) {
+  std::vector<Check> checks;
+  const auto add = [&](const std::string& name, bool held, const std::string& failure) {
+    checks.push_back({.group = "recording", .name = name, .failure = held ? "" : failure});
+  };
+  const bool readable = !contents.unreadable;
+  add("recording.readable", readable, readable ? "" : unreadable_text(contents));
+  add("recording.bytes",
+      contents.damage.regions == 0,
+      count(contents.damage.bytes_skipped, "byte") + " belong to no packet, in " +
+          count(contents.damage.regions, "place"));
+  add("recording.configuration", contents.configuration.has_value(), "has no configuration");
+  add("recording.consistent",
+      contents.contradictions == 0,
+      count(contents.contradictions, "packet") + " contradict the configuration");
+  return checks;
 }
 
 /// Null where the recording does not say what it is of.
@@ -233,7 +227,8 @@ std::string inspection_report(const std::filesystem::path& path,
                  {"provenance", to_json(provenance)},
                  {"board", account_json(contents.account)},
                  {"recording", recording_json(path, contents)},
-                 {"checks", checks_json(contents)}};
+                 {"checks", to_json(checks_of(contents))},
+                 {"warnings", Json::array()}};
   if (const auto& configuration = contents.configuration) {
     report["acquisition"] = acquisition_json(configuration->plan);
     report["acquisition"]["motor_angles"] = motor_json(contents.acquisitions.front().motor);

@@ -64,11 +64,11 @@ std::string fault_simulation_report(const SeedRangeResult& all) {
   Json report = {{"schema", kReportSchema},
                  {"command", "rehearse"},
                  {"provenance", to_json(provenance)},
+                 {"board", account_json(all.account)},
                  {"rehearsal", to_json(counts_of(all)).front()}};
   report["rehearsal"].update({{"seeds", all.seeds},
                               {"first_seed", all.first_seed},
                               {"hash", hex(all.hash)},
-                              {"lost", account_json(all.account)["lost"]},
                               {"failures", failures}});
   return report_text(report);
 }

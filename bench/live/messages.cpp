@@ -15,7 +15,6 @@
 #include "bench/output/image_io.h"
 #include "bench/output/picture/error_picture.h"
 #include "bench/output/picture/scan_plane.h"
-#include "bench/results/counts.h"
 
 namespace wobblebench::bench {
 
@@ -118,7 +117,7 @@ Json error_json(const DepthError& error) {
                        {"colour", html_colour(name.rgb)}});
   }
   Json json = {{"limit_mm", kErrorLimit_mm}, {"classes", std::move(classes)}};
-  json.update(flat_json(described(error)));
+  json.update(to_json(described(error)));
   return json;
 }
 
@@ -275,7 +274,7 @@ LiveMessage times_message(const ShownPicture& shown,
                      {"waiting_volumes", shown.waiting_volumes},
                      {"superseded_volumes", shown.superseded},
                      {"sticks", account.emitted},
-                     {"lost", to_json(described(account)).at("lost")},
+                     {"lost", account.lost.total()},
                      {"damaged_bytes", damage.bytes_skipped}};
   return {std::make_shared<const std::string>(json.dump()), true};
 }

@@ -37,10 +37,8 @@ std::string why_none(const DepthError& raw, const ExpectedSurface& expected) {
 
 Json error_json(const PictureMeasures& measures, const ExpectedSurface& expected) {
   Json json = to_json(described(measures, expected));
-  if (!measures.distance) json["surface_distance_mm"] = nullptr;
   const std::string nothing = why_none(measures.raw, expected);
   json["no_surface_because"] = nothing.empty() ? Json(nullptr) : Json(nothing);
-  json["pixels"] = measures.raw.pixels;
   json["regions"] = regions_json(measures, expected);
   return json;
 }

@@ -15,7 +15,7 @@ class GlContext;
 
 namespace wobblebench::bench {
 
-inline constexpr int kReportSchema = 1;
+inline constexpr int kReportSchema = 2;
 
 /// Names of steps with their wall time, ms.
 using StepTimes = std::vector<std::pair<std::string, double>>;

@@ -68,15 +68,12 @@ inline constexpr const Measure* kAll[] = {&kEmitted,
 }  // namespace counts
 
 inline void describe(const hw::BoardAccount& account, Measurements& to) {
-  to.group("");
   to.add(counts::kEmitted, account.emitted);
   to.add(counts::kDelivered, account.delivered);
-  to.group("lost");
   to.add(counts::kLostRingFull, account.lost.ring_full);
   to.add(counts::kLostLink, account.lost.link);
   to.add(counts::kLostCorrupt, account.lost.corrupt);
   to.add(counts::kLostOutOfOrder, account.lost.out_of_order);
-  to.group("");
   to.add(counts::kDuplicates, account.duplicates);
 }
 

@@ -17,6 +17,8 @@ inline constexpr Measure kOutliers{
     "outliers_percent", "beyond 10 mm", "Of the pixels: depth error above 10 mm"};
 inline constexpr Measure kPixels{
     "pixels", "pixels", "With a true and a found surface", Worse::neither};
+inline constexpr Measure kPicturePixels{
+    "picture_pixels", "pixels of the picture", "All pixels of the picture", Worse::neither};
 
 inline constexpr Measure kOutsideRms{
     "outside_rms_mm", "RMS outside silhouettes", "RMS outside the band at silhouettes"};
@@ -97,9 +99,9 @@ inline constexpr Measure kDistanceMean{
 inline constexpr Measure kDistanceP95{
     "distance_p95_mm", "distance, P95", "95 % quantile of that distance"};
 inline constexpr Measure kDistanceMax{
-    "distance_max_mm", "distance, greatest", "Greatest of that distance"};
+    "distance_max_mm", "distance, greatest", "Greatest of that distance in either direction"};
 inline constexpr Measure kDistancePixels{
-    "distance_pixels", "distances", "Points with a distance", Worse::neither};
+    "distance_pixels", "distances", "Points with a distance, both directions", Worse::neither};
 inline constexpr Measure kHausdorff95{
     "hausdorff95_mm", "Hausdorff 95", "The greater P95 of the two directions"};
 

@@ -5,7 +5,6 @@
 #include <cstdint>
 #include <limits>
 #include <nlohmann/json.hpp>
-#include <sstream>
 #include <utility>
 
 namespace wobblebench::bench {
@@ -13,25 +12,6 @@ namespace wobblebench::bench {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-std::vector<std::string> words_of(std::string text) {
-  std::ranges::replace(text, '/', '_');
-  std::istringstream stream(text);
-  std::vector<std::string> words;
-  for (std::string word; std::getline(stream, word, '_');) words.push_back(word);
-  return words;
-}
-
-/// Schema 1 leaves out of a key what its group says already, and calls the count of a group n.
-std::string place_of(const std::string& group, const std::string& key) {
-  if (group.empty()) return "/" + key;
-  std::string name;
-  for (const std::string& word : words_of(key)) {
-    if (std::ranges::count(words_of(group), word) > 0) continue;
-    name += (name.empty() ? "" : "_") + (word == "pixels" ? "n" : word);
-  }
-  return "/" + group + "/" + name;
-}
 
 Json json_of(const MeasuredValue& found) {
   if (!std::isfinite(found.value)) return nullptr;
@@ -55,8 +35,8 @@ const Unit& unit_of(std::string_view key) {
 }
 
 void Measurements::add(const Measure& measure, double value, bool whole) {
-  const std::string name = (of_.empty() ? "" : of_ + "_") + measure.key;
-  all_.push_back({&measure, value, whole, name, place_of(group_, measure.key), because_});
+  const std::string name = (prefix_.empty() ? "" : prefix_ + "_") + measure.key;
+  all_.push_back({&measure, value, whole, name, because_});
 }
 
 const MeasuredValue* Measurements::find(std::string_view name) const {
@@ -71,13 +51,7 @@ double Measurements::value(const Measure& measure) const {
 
 Json to_json(const Measurements& found) {
   Json json;
-  for (const MeasuredValue& one : found) json[Json::json_pointer(one.place)] = json_of(one);
-  return json;
-}
-
-Json flat_json(const Measurements& found) {
-  Json json;
-  for (const MeasuredValue& one : found) json.emplace(one.name, json_of(one));
+  for (const MeasuredValue& one : found) json[one.name] = json_of(one);
   return json;
 }
 

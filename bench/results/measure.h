@@ -43,8 +43,7 @@ struct MeasuredValue {
   const Measure* measure;
   double value;         ///< NaN: not formed
   bool whole;           ///< a count
-  std::string name;     ///< by which it is asked for: its key, or "age_oldest_p99_ms"
-  std::string place;    ///< in its part of report.json of schema 1, a JSON pointer: "/depth_mm/rms"
+  std::string name;     ///< in report.json, --limit and CSV: its key, or "age_oldest_p99_ms"
   std::string because;  ///< why it is not formed, where that is known
 };
 
@@ -59,13 +58,9 @@ struct MeasuredValue {
 /// @endcode
 class Measurements {
  public:
-  /// Those that follow are of this group in report.json: "depth_mm",
-  /// "surface_distance_mm/found_to_true". `of`: begins their names, where several groups have the
-  /// same figures: "age_oldest" makes "age_oldest_p99_ms" of "p99_ms".
-  void group(std::string name, std::string of = "") {
-    group_ = std::move(name);
-    of_ = std::move(of);
-  }
+  /// The names of those that follow begin with this, where a struct has the same figures several
+  /// times: "age_oldest" makes "age_oldest_p99_ms" of "p99_ms". Empty: their keys are their names.
+  void prefix(std::string of) { prefix_ = std::move(of); }
   /// Why those that follow are not formed, if they are not.
   void because(std::string why) { because_ = std::move(why); }
   void add(const Measure& measure, double value) { add(measure, value, false); }
@@ -84,7 +79,7 @@ class Measurements {
  private:
   void add(const Measure& measure, double value, bool whole);
 
-  std::string group_, of_, because_;
+  std::string prefix_, because_;
   std::vector<MeasuredValue> all_;
 };
 
@@ -95,9 +90,7 @@ Measurements described(const Result& result, const More&... more) {
   return found;
 }
 
-/// In their groups, as schema 1 of report.json has them; null: not formed.
+/// By their names; null: not formed.
 nlohmann::ordered_json to_json(const Measurements& found);
-/// By their names alone, each once.
-nlohmann::ordered_json flat_json(const Measurements& found);
 
 }  // namespace wobblebench::bench

@@ -19,13 +19,13 @@ scene = wobblebench.Scene(arguments.scene, arguments.set)
 volume = wobblebench.simulate(scene)
 picture = wobblebench.Renderer(scene).render(volume)
 figures = wobblebench.score(picture, scene)
-print(f"P95 {figures['depth_mm']['p95']:.2f} mm, missed {figures['missed_percent']:.2f} %, "
+print(f"P95 {figures['p95_mm']:.2f} mm, missed {figures['missed_percent']:.2f} %, "
       f"false {figures['false_percent']:.2f} % of the picture")
 
 # The same map of another program's surface is scored alike: here, of ours, smoothed by NumPy.
 depth_m = numpy.array(picture.depth_m)
 neighbours = numpy.stack([numpy.roll(depth_m, shift, axis) for shift in (-1, 1) for axis in (0, 1)])
 depth_m = (depth_m + neighbours.sum(axis=0)) / 5
-print(f"smoothed: P95 {wobblebench.score(depth_m, scene)['depth_mm']['p95']:.2f} mm")
+print(f"smoothed: P95 {wobblebench.score(depth_m, scene)['p95_mm']:.2f} mm")
 if arguments.depth:
     numpy.save(arguments.depth, picture.depth_m)

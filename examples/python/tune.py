@@ -33,9 +33,9 @@ def loss(trial):
     """P95 in mm, and half a millimetre for each percent of the picture that is missed or false."""
     tuned = scene.replace(settings_of(trial))
     figures = wobblebench.score(renderer.render(volume, tuned), tuned)
-    if figures["depth_mm"]["p95"] is None:
+    if figures["p95_mm"] is None:
         return 100.0
-    return figures["depth_mm"]["p95"] + 0.5 * (figures["missed_percent"] + figures["false_percent"])
+    return figures["p95_mm"] + 0.5 * (figures["missed_percent"] + figures["false_percent"])
 
 
 optuna.logging.set_verbosity(optuna.logging.WARNING)

@@ -11,5 +11,5 @@ echo "seed,bias_mm,p95_mm,missed_percent"
 for seed in "$@"; do
   wobblebench run "$scene" --set "simulation.seed=$seed" --out "$folder" --json 2>"$folder/log" >"$folder/answer.json" ||
     { cat "$folder/log" >&2; exit 1; }
-  jq -r --arg seed "$seed" '.error | [$seed, .depth_mm.bias, .depth_mm.p95, .missed_percent] | @csv' "$folder/answer.json"
+  jq -r --arg seed "$seed" '.error | [$seed, .bias_mm, .p95_mm, .missed_percent] | @csv' "$folder/answer.json"
 done

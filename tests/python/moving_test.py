@@ -75,7 +75,7 @@ class MovingBall(unittest.TestCase):
         for number in (0, LATER):
             run_program("run", *as_arguments(SETTINGS), "--board", f"sim,first_volume={number}", "--out", cls.at / f"{number}")
         cls.report = json.loads((cls.at / f"{LATER}/report.json").read_text())
-        cls.p95 = cls.report["error"]["depth_mm"]["p95"]
+        cls.p95 = cls.report["error"]["p95_mm"]
 
     def assert_on_ball(self, depth_mm, volume, median, most):
         off = numpy.abs(off_ball_mm(points_mm(depth_mm, self.report["camera"]), volume))
@@ -84,7 +84,7 @@ class MovingBall(unittest.TestCase):
         self.assertLess(numpy.quantile(off, 0.95), most)
 
     def p95_of(self, folder):
-        return json.loads((self.at / folder / "report.json").read_text())["error"]["depth_mm"]["p95"]
+        return json.loads((self.at / folder / "report.json").read_text())["error"]["p95_mm"]
 
     def test_run(self):
         for volume in (0, LATER):
@@ -129,7 +129,7 @@ class MovingBall(unittest.TestCase):
         several = {**SETTINGS, "acquisition.volumes": LATER + 1}
         run_program("stream", *as_arguments(several), "--out", self.at / "stream")
         text = (self.at / "stream/report.json").read_text()
-        figures = [one["depth_mm"]["p95"] for one in json.loads(text)["timing"]["errors"]]
+        figures = [one["p95_mm"] for one in json.loads(text)["timing"]["errors"]]
         self.assertEqual(len(figures), LATER + 1)
         self.assertAlmostEqual(figures[LATER], self.p95, places=6)
 
@@ -151,8 +151,8 @@ class MovingBall(unittest.TestCase):
         self.assertAlmostEqual(volumes[LATER].times_s[0, 0] - volumes[0].times_s[0, 0], LATER * VOLUME_S, places=9)
         for volume in (volumes[0], volumes[LATER]):
             picture = renderer.render(volume, several)
-            of_picture = wobblebench.score(picture, several)["depth_mm"]["p95"]
-            of_map = wobblebench.score(picture.depth_m, several, volume=volume.index)["depth_mm"]["p95"]
+            of_picture = wobblebench.score(picture, several)["p95_mm"]
+            of_map = wobblebench.score(picture.depth_m, several, volume=volume.index)["p95_mm"]
             self.assertEqual(of_map, of_picture)
             truth = wobblebench.truth(several, volume.index)
             self.assert_on_ball(1e3 * truth.depth_m.astype(float), volume.index, 0.05, 0.15)

@@ -28,8 +28,7 @@ Json latency_json(const StreamReport& report) {
                {"bottleneck", bottleneck.stage},
                {"times_the_next", number(bottleneck.times_the_next)},
                {"shown",
-                {{"volumes", report.result.shown.volumes}, {"sticks", report.result.shown.sticks}}},
-               {"dropped", to_json(described(report.result)).at("dropped")}});
+                {{"volumes", report.result.shown.volumes}, {"sticks", report.result.shown.sticks}}}});
   return json;
 }
 
@@ -106,22 +105,19 @@ std::string errors_text(const StreamReport& report) {
 
 void describe(const StreamResult& result, Measurements& to) {
   const auto superseded = [&](const std::string& before, const VolumeCount& count) {
-    to.group("dropped/superseded_before_" + before, "superseded_before_" + before);
+    to.prefix("superseded_before_" + before);
     to.add(counts::kVolumes, count.volumes);
     to.add(counts::kSticks, count.sticks);
   };
   superseded("rendering", result.queue.superseded);
   superseded("writing", result.superseded_pictures);
-  to.group("dropped");
+  to.prefix("");
   to.add(counts::kLeft, result.left_sticks + result.queue.left_sticks + result.reader.left_sticks);
   to.add(counts::kNotTaken, result.account.delivered - result.reader.sticks);
-  to.group("queues/ring");
   to.add(counts::kLeastFreeSlots, result.reader.least_free_slots);
-  to.group("queues/volumes");
   to.add(counts::kMostVolumes, result.queue.most_volumes);
   to.add(counts::kMeanVolumes, result.queue.mean_volumes);
   to.add(counts::kReaderBlocked, result.queue.blocked_ms);
-  to.group("");
 }
 
 std::string stream_report(const StreamReport& report,
@@ -139,7 +135,7 @@ std::string stream_report(const StreamReport& report,
       {"queue", report.queue.volumes},
       {"broke_off", report.result.failure.empty() ? Json(nullptr) : Json(report.result.failure)}};
   json["latency"] = latency_json(report);
-  json["queues"] = to_json(described(report.result)).at("queues");
+  json["queues"] = to_json(described(report.result));
   json["video"] = nullptr;
   if (const auto& video = report.video) {
     json["video"] = {{"file", video->name},

@@ -145,9 +145,7 @@ void describe(const DepthStatistics& depth, Measurements& to) {
 }
 
 void describe(const DepthError& found, Measurements& to) {
-  to.group("depth_mm");
   describe(found.depth, to);
-  to.group("");
   const bool in_view = found.surface_in_view();
   to.add(error::kMissed, in_view ? found.missed_percent() : kUnset);
   to.add(error::kFalse, in_view ? found.false_percent() : kUnset);

@@ -69,14 +69,17 @@ void describe(const DirectedDistance& distance, Measurements& to) {
 }
 
 void describe(const SurfaceDistance& distance, Measurements& to) {
-  to.group("surface_distance_mm");
   to.add(error::kDistanceMean, distance.mean_m / kMillimetre);
   to.add(error::kDistanceP95, distance.p95_m / kMillimetre);
+  to.add(error::kDistanceMax,
+         std::max(distance.found_to_true.max_m, distance.true_to_found.max_m) / kMillimetre);
+  to.add(error::kDistancePixels, distance.found_to_true.n + distance.true_to_found.n);
   to.add(error::kHausdorff95, distance.hausdorff95_m / kMillimetre);
-  to.group("surface_distance_mm/found_to_true");
+  to.prefix("found_to_true");
   describe(distance.found_to_true, to);
-  to.group("surface_distance_mm/true_to_found");
+  to.prefix("true_to_found");
   describe(distance.true_to_found, to);
+  to.prefix("");
 }
 
 /// Whether a found surface where there is no true one is wrong.
@@ -95,9 +98,7 @@ void describe_part(const Part& part,
     return expected.sought && formed ? value : kUnset;
   };
   const auto share = [&](int count) { return 100.0 * count / pixels; };
-  to.group("depth_mm");
   describe(part.depth, to);
-  to.group("");
   to.add(error::kSurface, share(part.surface));
   to.add(error::kSurfaceArea, 1e4 * part.surface_m2);
   to.add(error::kMissed, percent(part.surface > 0, share(part.missed)));
@@ -108,11 +109,8 @@ void describe_part(const Part& part,
 void describe_normals(const NormalStatistics& raw,
                       const NormalStatistics& filtered,
                       Measurements& to) {
-  to.group("normal_deg");
   describe(filtered, kNormal, to);
-  to.group("raw_normal_deg");
   describe(raw, kRawNormal, to);
-  to.group("");
 }
 
 /// Without a surface there: no pixels, all NaN.
@@ -244,6 +242,7 @@ void describe(const PictureMeasures& measures, const ExpectedSurface& expected, 
   const DepthError& raw = measures.raw;
   const bool has_false = counts_false(raw, expected);
   describe_part(raw, raw.pixels, has_false, expected, to);
+  to.add(error::kPicturePixels, raw.pixels);
   to.add(error::kFalseSurface, expected.sought && has_false ? raw.false_surface_percent() : kUnset);
   to.add(error::kMissedOrFalse, to.value(error::kMissed) + to.value(error::kFalse));
   to.add(error::kFoundArea, 1e4 * raw.found_m2);
@@ -252,22 +251,17 @@ void describe(const PictureMeasures& measures, const ExpectedSurface& expected, 
   to.add(error::kShadowed, 100.0 * raw.shadowed / raw.pixels);
   describe_regions(measures, expected, to);
   describe_normals(raw.normal, measures.filtered.normal, to);
-  if (measures.distance) describe(*measures.distance, to);
-  to.group("shaded_against_truth");
+  describe(measures.distance.value_or(SurfaceDistance()), to);
   to.add(error::kSsim, measures.shaded.ssim);
   to.add(error::kPsnr, measures.shaded.psnr_db);
-  to.group("filtered_depth_mm");
+  to.prefix("filtered");
   describe(measures.filtered.depth, to);
 }
 
 namespace {
 
 const Measurements& all_of_pictures() {
-  static const Measurements all = [] {
-    PictureMeasures measures;
-    measures.distance.emplace();
-    return described(measures, ExpectedSurface());
-  }();
+  static const Measurements all = described(PictureMeasures(), ExpectedSurface());
   return all;
 }
 
@@ -282,10 +276,6 @@ const std::vector<const Measure*>& picture_measures() {
     return found;
   }();
   return different;
-}
-
-std::string place_in_report(const Measure& measure) {
-  return "/error" + all_of_pictures().find(measure.key)->place;
 }
 
 std::size_t measure_index(std::string_view key) {

@@ -85,8 +85,6 @@ std::string why_no_surface(const DepthError& error);
 
 /// All figures of a picture.
 const std::vector<const Measure*>& picture_measures();
-/// Of one of them in report.json, as a JSON pointer.
-std::string place_in_report(const Measure& measure);
 /// In picture_measures(). Throws std::out_of_range.
 std::size_t measure_index(std::string_view key);
 

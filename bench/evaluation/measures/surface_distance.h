@@ -2,6 +2,7 @@
 #pragma once
 
 #include <glm/vec3.hpp>
+#include <limits>
 #include <memory>
 #include <vector>
 
@@ -46,9 +47,10 @@ double triangle_distance_m(const glm::dvec3& p,
 
 /// Distances from the points of one surface to the other one; NaN where either has none.
 struct DirectedDistance {
-  double mean_m = 0;
-  double p95_m = 0;
-  double max_m = 0;
+  static constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+  double mean_m = kNone;
+  double p95_m = kNone;
+  double max_m = kNone;
   int n = 0;
 };
 
@@ -58,9 +60,9 @@ struct DirectedDistance {
 struct SurfaceDistance {
   DirectedDistance found_to_true;  ///< all that is found, to all that is there, seen or not
   DirectedDistance true_to_found;  ///< what the probe can see, to what is found
-  double mean_m = 0;               ///< over the points of both
-  double p95_m = 0;                ///< likewise
-  double hausdorff95_m = 0;        ///< the greater P95 of the two
+  double mean_m = DirectedDistance::kNone;  ///< over the points of both
+  double p95_m = DirectedDistance::kNone;  ///< likewise
+  double hausdorff95_m = DirectedDistance::kNone;  ///< the greater P95 of the two
 };
 
 SurfaceDistance surface_distance(const Image<float>& depth_m,

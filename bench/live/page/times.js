@@ -45,7 +45,6 @@ class Times {
   }
 
   take(times) {
-    const lost = Object.values(times.lost).reduce((sum, count) => sum + count, 0);
     const busy_ms = Object.values(times.passes).reduce((sum, ms) => sum + ms, 0);
     // A new stream counts from 0.
     const before = this.last && this.last.sticks < times.sticks ? this.last : null;
@@ -53,8 +52,8 @@ class Times {
     this.lines.picture.add(busy_ms);
     this.lines.oldest.add(times.age_oldest_ms);
     this.lines.newest.add(times.age_newest_ms);
-    this.lines.lost.add(before ? Math.max(0, lost - before.lost) : lost);
-    this.last = {...times, lost};
+    this.lines.lost.add(before ? Math.max(0, times.lost - before.lost) : times.lost);
+    this.last = times;
     this.tell(times, busy_ms);
   }
 

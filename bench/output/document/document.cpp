@@ -1,5 +1,7 @@
 #include "bench/output/document/document.h"
 
+#include <nlohmann/json.hpp>
+
 namespace wobblebench::bench {
 
 namespace {
@@ -37,6 +39,14 @@ struct MarkdownOf {
 std::string chart_file(const Document& document, const Figure& figure) {
   const std::string prefix = document.name.empty() ? "" : document.name + "_";
   return prefix + figure.name + ".vl.json";
+}
+
+nlohmann::ordered_json tables_json(const Document& document) {
+  nlohmann::ordered_json json;
+  for (const Block& block : document.blocks) {
+    if (const auto* table = std::get_if<Table>(&block)) json[table->name] = to_json(*table);
+  }
+  return json;
 }
 
 std::string markdown(const Document& document) {

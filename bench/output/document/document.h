@@ -2,6 +2,7 @@
 // written as Markdown (NAME.md) and as a page (report.html).
 #pragma once
 
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <utility>
 #include <variant>
@@ -117,6 +118,9 @@ struct Document {
 
 /// NAME_FIGURE.vl.json.
 std::string chart_file(const Document& document, const Figure& figure);
+
+/// Its tables by their names, for report.json.
+nlohmann::ordered_json tables_json(const Document& document);
 
 /// Charts are links to their files, which script/charts draws. Details, maps and listings are left
 /// out.

@@ -6,8 +6,8 @@
 
 #include "base/user_error.h"
 #include "bench/evaluation/measures/picture_measures.h"
+#include "bench/output/report_parts.h"
 #include "bench/results/counts.h"
-#include "bench/results/error.h"
 #include "bench/results/times.h"
 
 namespace wobblebench::bench {
@@ -16,7 +16,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// Where schema 1 of report.json has figures of a run beside those of the picture.
+/// Where report.json has figures of a run beside those of the picture.
 constexpr std::pair<const Measure*, const char*> kPlaces[] = {
     {&times::kFrame, "/timing/render/frame_ms"},
     {&times::kSimulation, "/timing/simulation/ms_per_volume"},
@@ -40,16 +40,6 @@ const Json& list_at(const Json& report, const char* pointer) {
   static const Json none = Json::array();
   const Json::json_pointer at(pointer);
   return report.contains(at) && report.at(at).is_array() ? report.at(at) : none;
-}
-
-/// Of a program from before these stood beside the other measures.
-void add_outside(RunFigures& figures, const Json& report) {
-  for (const Json& region : list_at(report, "/error/regions")) {
-    if (region.value("group", "") != "silhouette" || region.value("name", "") != "outside")
-      continue;
-    add_at(figures, error::kOutsideRms.key, region, "/depth_mm/rms");
-    add_at(figures, error::kOutsideP95.key, region, "/depth_mm/p95");
-  }
 }
 
 /// A figure of each pass, and their sum under `all` unless that is empty.
@@ -113,9 +103,8 @@ const std::vector<std::string>& run_figure_names() {
 RunFigures figures_of_run(const Json& report) {
   RunFigures figures;
   for (const auto& [measure, place] : kPlaces) add_at(figures, measure->key, report, place);
-  add_outside(figures, report);
   for (const Measure* measure : picture_measures()) {
-    add_at(figures, measure->key, report, place_in_report(*measure));
+    add_at(figures, measure->key, report, std::string("/error/") + measure->key);
   }
   add_at(figures, times::kCpu.key, report, "/provenance/load/own_cpu_s");
   if (const auto cpu = figures.find(times::kCpu.key); cpu != figures.end()) cpu->second *= 1e3;
@@ -159,6 +148,11 @@ MeasuredSide kept_side(const Json& report, const std::string& what) {
   const std::string command = report.is_object() ? report.value("command", "") : "";
   MeasuredSide side{.what = what, .kept = true};
   try {
+    if (report.is_object() && report.value("schema", 0) != kReportSchema) {
+      throw UserError(what + ": report.json is of schema " + report.value("schema", Json()).dump() +
+                      "; must be " + std::to_string(kReportSchema) + ": make it with a program of "
+                      "this schema (CHANGELOG.md has the keys of both)");
+    }
     if (command == "run") {
       side.commit = text_at(report, "/provenance/commit");
       side.cpu = text_at(report, "/provenance/cpu");

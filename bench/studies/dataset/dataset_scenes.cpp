@@ -198,7 +198,7 @@ Json error_of(const Json& report) {
   Json figures;
   for (const Measure* one :
        {&error::kMedian, &error::kP95, &error::kMissed, &error::kFalse, &error::kSurface}) {
-    figures[one->key] = report.at(Json::json_pointer(place_in_report(*one)));
+    figures[one->key] = report.at("error").at(one->key);
   }
   return figures;
 }

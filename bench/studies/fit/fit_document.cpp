@@ -1,9 +1,11 @@
 #include "bench/studies/fit/fit_report.h"
 
 #include <cmath>
+#include <nlohmann/json.hpp>
 #include <utility>
 
 #include "base/number_text.h"
+#include "bench/output/report.h"
 #include "bench/results/error.h"
 
 namespace wobblebench::bench {
@@ -327,6 +329,48 @@ Document fit_document(const FitResults& results, const Provenance& provenance) {
     document.add(Picture{residuals_file(picture), residuals_caption(picture)});
   }
   return document;
+}
+
+namespace {
+
+Json coverage_json(const Coverage& coverage) {
+  return {{"seeds", coverage.seeds.size()},
+          {"reference_seeds", coverage.reference.size()},
+          {"repeatable_rms_mm", coverage.repeatable_rms_m / kMillimetre},
+          {"random_rms_mm", coverage.random_rms_m / kMillimetre},
+          {"parameters", to_json(coverage_table(coverage))}};
+}
+
+Json choice_json(const TermChoice& choice) {
+  Json taken = Json::array();
+  for (const ChosenTerm& chosen : choice.order) {
+    taken.push_back({{"name", error_terms().at(chosen.term).name}, {"left", chosen.left}});
+  }
+  return {{"folds", choice.folds}, {"taken", taken}};
+}
+
+Json model_json(const ModelStudy& study) {
+  Json correlated = Json::array();
+  for (const auto& [one, other] : study.model.correlated) {
+    correlated.push_back({term_name(one), term_name(other)});
+  }
+  return {{"choice", choice_json(study.choice)},
+          {"terms", to_json(terms_table(study.model))},
+          {"correlated", correlated},
+          {"pixels", study.model.rows},
+          {"blocks", study.model.blocks},
+          {"training_scans", study.training_scans},
+          {"explained_variance_held_out", number(study.all_held_out.explained_variance)},
+          {"scans", to_json(judgements_table(all_judgements(study)))}};
+}
+
+}  // namespace
+
+Json fit_json(const FitResults& results) {
+  Json registration = registration_json(results.known_pose);
+  registration["nothing_known"] = registration_json(results.nothing_known);
+  registration["coverage"] = results.coverage ? coverage_json(*results.coverage) : Json(nullptr);
+  return {{"registration", registration}, {"model", model_json(results.model)}};
 }
 
 }  // namespace wobblebench::bench

@@ -31,8 +31,7 @@ Document fit_document(const FitResults& results, const Provenance& provenance);
 /// 0.2)".
 std::string fitted_text(const Registration& fit, int parameter);
 
-/// A figure of a judgement in tables and, the first kReportedFigures, in report.json.
-inline constexpr std::size_t kReportedFigures = 10;
+/// A figure of a judgement.
 const std::vector<Field<Judgement>>& judgement_columns();
 
 /// Mean residuals against incidence, range and contrast.

@@ -54,11 +54,11 @@ CommandResult study_of(const Scene& scene,
     return study_latency(scene, arguments.volumes, policy, known, context, cache, done);
   });
   const Provenance provenance = provenance_of_simulation(context, scene.simulation.seed);
+  const Document document = latency_document(study, provenance, scene);
   Json report = report_head("latency", provenance, scene);
   report["acquisition"] = acquisition_json(scene.plan());
-  report["latency"] = latency_study_json(study);
+  report["latency"] = latency_study_json(study, document);
   report["wall_ms"] = wall_json(progress.times());
-  const Document document = latency_document(study, provenance, scene);
   return {.report = report_text(report), .document = document};
 }
 

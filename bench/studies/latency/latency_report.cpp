@@ -16,90 +16,6 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-Json ages_json(const Percentiles& of) {
-  return {{"p50", number(of.p50)}, {"p99", number(of.p99)}, {"max", number(of.max)}, {"n", of.n}};
-}
-
-Json drawn_json(const Drawn& of) {
-  return {{"median", number(of.median)}, {"low", number(of.low)}, {"high", number(of.high)}};
-}
-
-Json check_json(const LatencyCheck& check) {
-  return {{"setting", check.name},
-          {"calibrated_on", check.calibrated_on},
-          {"sound_ms", check.sound_ms},
-          {"age_newest_ms",
-           {{"wall", ages_json(check.wall)},
-            {"virtual",
-             {{"p50", drawn_json(check.predicted.p50_ms)},
-              {"p99", drawn_json(check.predicted.p99_ms)}}}}},
-          {"volumes_per_s",
-           {{"wall", number(check.wall_volumes_per_s)},
-            {"virtual", number(check.predicted.volumes_per_s)}}},
-          {"rendering_ms",
-           {{"wall", number(check.wall_renderer_ms)},
-            {"virtual", number(check.predicted.renderer_ms)}}}};
-}
-
-Json stall_json(const StallRecovery& stall) {
-  return {{"stall_ms", stall.stall_ms},
-          {"recovered_after_ms",
-           {{"wall", number(stall.wall_ms)}, {"virtual", number(stall.predicted_ms)}}},
-          {"worst_age_newest_ms",
-           {{"wall", stall.wall_worst_ms}, {"virtual", stall.predicted_worst_ms}}}};
-}
-
-Json curve_json(const CrossoverCurve& curve) {
-  Json points = Json::array();
-  for (std::size_t i = 0; i < curve.frames.size(); ++i) {
-    points.push_back({{"depth_mm", curve.depth_mm[i]}, {"frames", number(curve.frames[i])}});
-  }
-  return {{"times", curve.times}, {"lines", curve.lines}, {"points", points}};
-}
-
-Json what_if_json(const WhatIf& what_if) {
-  const Prediction& predicted = what_if.predicted;
-  return {{"times", what_if.times},
-          {"age_newest_ms",
-           {{"p50", drawn_json(predicted.p50_ms)}, {"p99", drawn_json(predicted.p99_ms)}}},
-          {"volumes_per_s", number(predicted.volumes_per_s)},
-          {"renderer_ms", number(predicted.renderer_ms)}};
-}
-
-template <class Items, class ToJson>
-Json array_of(const Items& items, const ToJson& to_json) {
-  Json array = Json::array();
-  for (const auto& item : items) array.push_back(to_json(item));
-  return array;
-}
-
-}  // namespace
-
-Json latency_study_json(const LatencyStudy& study) {
-  return {{"clock", "wall and virtual"},
-          {"volumes_each", study.volumes},
-          {"rounds", study.rounds},
-          {"spans", latency_spans_json(study.summary.spans)},
-          {"checks", array_of(study.checks, check_json)},
-          {"stalls", array_of(study.stalls, stall_json)},
-          {"crossovers", array_of(study.crossovers, curve_json)},
-          {"what_ifs", array_of(study.what_ifs, what_if_json)},
-          {"line_rates",
-           array_of(study.line_rates,
-                    [](const LineRate& rate) {
-                      return Json{{"first_loss", rate.loss},
-                                  {"per_s",
-                                   {{"median", rate.per_s.median},
-                                    {"min", rate.per_s.min},
-                                    {"max", rate.per_s.max}}}};
-                    })},
-          {"line_rate_of_the_scene_per_s", study.scene_line_rate_per_s},
-          {"bottleneck", bottleneck_of(study.summary).stage},
-          {"times_the_next", number(bottleneck_of(study.summary).times_the_next)}};
-}
-
-namespace {
-
 std::string ms(double value) {
   return std::isfinite(value) ? fixed(value, value < 10 ? 2 : 0) : "none";
 }
@@ -155,9 +71,10 @@ Table check_table(const LatencyStudy& study) {
     return [=](const C& of) { return 100 * ((of.predicted.*said).median / (of.wall.*seen) - 1); };
   };
   return table_of<C>(
-      {.name = "checks"},
+      {.name = "settings"},
       study.checks,
-      {{{"setting"}, [](const C& of) { return of.name + (of.calibrated_on ? " *" : ""); }},
+      {{{"setting"}, &C::name},
+       {{"calibrated_on", "times taken from it"}, &C::calibrated_on},
        {{"sound_ms", "sound", "ms", 1}, &C::sound_ms},
        {{"n"}, [](const C& of) { return of.wall.n; }},
        {{"p50_wall_ms", "P50 wall", "ms", 1}, wall(&Percentiles::p50)},
@@ -208,7 +125,7 @@ void add_checks(const LatencyStudy& study, Document& document) {
   document.add(Heading{"Virtual time against the wall clock"})
       .add(Text{
           "Age of the newest echo, from its scheduled emission until the picture is ready. "
-          "Service times are those of the settings marked with *, drawn in runs of 16 volumes; "
+          "Service times are those of the settings that the table names, drawn in runs of 16 volumes; "
           "they depend on the number of frames linearly between them. Virtual: median of 200 "
           "streams as long as those on the wall, and in brackets what 95 % of them lie "
           "between: P99 of n pictures is one of their largest. Pass 1 of a shallower scan "
@@ -375,6 +292,17 @@ Document latency_document(const LatencyStudy& study,
   add_what_ifs(study, document);
   add_line_rates(study, document);
   return document;
+}
+
+Json latency_study_json(const LatencyStudy& study, const Document& document) {
+  Json json = {{"clock", "wall and virtual"},
+               {"volumes_each", study.volumes},
+               {"rounds", study.rounds},
+               {"line_rate_of_the_scene_per_s", study.scene_line_rate_per_s},
+               {"bottleneck", bottleneck_of(study.summary).stage},
+               {"times_the_next", number(bottleneck_of(study.summary).times_the_next)}};
+  json.update(tables_json(document));
+  return json;
 }
 
 }  // namespace wobblebench::bench

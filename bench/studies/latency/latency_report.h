@@ -9,10 +9,10 @@
 
 namespace wobblebench::bench {
 
-/// "latency" of report.json.
-nlohmann::ordered_json latency_study_json(const LatencyStudy& study);
 Document latency_document(const LatencyStudy& study,
                           const Provenance& provenance,
                           const Scene& scene);
+/// "latency" of report.json: what the study was, and the document's tables.
+nlohmann::ordered_json latency_study_json(const LatencyStudy& study, const Document& document);
 
 }  // namespace wobblebench::bench

@@ -23,10 +23,8 @@ const char* clock_name(const LatencySpan& span) {
 Json spans_json(const std::vector<LatencySpan>& spans) {
   Json json = Json::array();
   for (const LatencySpan& span : spans) {
-    json.push_back({{"from", span.from},
-                    {"to", span.to},
-                    {"clock", clock_name(span)},
-                    {"ms", span.ms ? percentiles_json(*span.ms) : Json(nullptr)}});
+    json.push_back(Json{{"from", span.from}, {"to", span.to}, {"clock", clock_name(span)}});
+    json.back().update(to_json(described(span.ms.value_or(percentiles_of({})))));
   }
   return json;
 }
@@ -68,18 +66,18 @@ void describe(const Percentiles& of, Measurements& to) {
 
 void describe(const StreamSummary& summary, Measurements& to) {
   const auto add = [&](const std::string& name, const Percentiles& of) {
-    to.group(name + "_ms", name);
+    to.prefix(name);
     describe(of, to);
   };
   add("age_oldest", summary.age_oldest);
   add("age_newest", summary.age_newest);
   add("ready_to_written", summary.ready_to_written);
-  to.group("");
+  to.prefix("");
   to.add(times::kSeconds, summary.seconds);
   to.add(times::kVolumesPerS, summary.volumes_per_s);
   to.add(times::kPicturesPerS, summary.pictures_per_s);
   add("interval", summary.interval);
-  to.group("");
+  to.prefix("");
   to.add(times::kJitter, summary.jitter_ms);
   const auto renderer = std::ranges::find(summary.loads, "renderer", &StageLoad::stage);
   const bool known = renderer != summary.loads.end();
@@ -90,13 +88,6 @@ Chosen percentile_measures() {
   static constexpr const Measure* kAll[] = {
       &times::kP50, &times::kP90, &times::kP99, &times::kP999, &times::kMax, &times::kN};
   return kAll;
-}
-
-Json percentiles_json(const Percentiles& of) {
-  Measurements found;
-  found.group("ms");
-  describe(of, found);
-  return to_json(found).at("ms");
 }
 
 Json latency_spans_json(const LatencySpans& spans) {

@@ -16,10 +16,8 @@ void describe(const StreamSummary& summary, Measurements& to);
 
 /// All figures of Percentiles.
 Chosen percentile_measures();
-/// {p50, p90 …}, without their unit.
-nlohmann::ordered_json percentiles_json(const Percentiles& of);
 
-/// "oldest_echo" and "newest_echo": from, to, clock, ms; null where the link does not tell.
+/// "oldest_echo" and "newest_echo": from, to, clock and times; null where the link does not tell.
 nlohmann::ordered_json latency_spans_json(const LatencySpans& spans);
 /// A table of both echoes.
 Table latency_spans_table(const LatencySpans& spans);

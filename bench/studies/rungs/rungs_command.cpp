@@ -50,12 +50,13 @@ void refuse_for_any_rung(const Scene& scene) {
 }
 
 Json report_of(const RungsResults& results,
+               const Document& document,
                const Scene& scene,
                const Provenance& provenance,
                const StepTimes& times) {
   Json report = report_head("rungs", provenance, scene);
   report["acquisition"] = acquisition_json(scene.plan());
-  report["rungs"] = rungs_json(results);
+  report["rungs"] = rungs_json(results, document);
   report["wall_ms"] = wall_json(times);
   return report;
 }
@@ -67,8 +68,9 @@ CommandResult measure_and_write(const Scene& scene,
   const RungsResults results = measure_rungs(scene, repeats, progress);
   Provenance provenance = provenance_of_this_machine();
   provenance.board = "simulated";
-  const std::string report = report_text(report_of(results, scene, provenance, progress.times()));
   Document document = rungs_document(results, provenance);
+  const std::string report =
+      report_text(report_of(results, document, scene, provenance, progress.times()));
   write_png(out.stage(kFramesFile), frames_picture(results));
   return {.report = report, .document = std::move(document)};
 }

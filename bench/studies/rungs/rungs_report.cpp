@@ -237,32 +237,30 @@ Document rungs_document(const RungsResults& results, const Provenance& provenanc
   return document;
 }
 
-Json rungs_json(const RungsResults& results) {
-  Json points = Json::array(), front = Json::array();
+Json rungs_json(const RungsResults& results, const Document& document) {
   struct Point {
     std::string rung;
-    double time;
-    double error;
+    double ms;
+    double p95_mm;
   };
-  std::vector<Point> all;
+  std::vector<Point> points;
   for (const RungTime& time : results.times) {
     const RungError* error = error_of(results, time.rung);
     if (error == nullptr || error->against_truth.n == 0) continue;
-    all.push_back({sim::to_string(time.rung),
-                   time.first_ms.median / results.sound_ms,
-                   error->against_truth.p95_abs_mm});
+    points.push_back(
+        {sim::to_string(time.rung), time.first_ms.median, error->against_truth.p95_abs_mm});
   }
-  for (const Point& point : all) {
-    points.push_back({{"settings", {{"simulation.fidelity", point.rung}}},
-                      {"time_ratio", point.time},
-                      {"error_mm_p95", point.error}});
-    const bool beaten = std::any_of(all.begin(), all.end(), [&](const Point& other) {
-      return other.time <= point.time && other.error <= point.error &&
-             (other.time < point.time || other.error < point.error);
+  Json front = Json::array();
+  for (const Point& point : points) {
+    const bool beaten = std::ranges::any_of(points, [&](const Point& other) {
+      return other.ms <= point.ms && other.p95_mm <= point.p95_mm &&
+             (other.ms < point.ms || other.p95_mm < point.p95_mm);
     });
     if (!beaten) front.push_back(point.rung);
   }
-  return {{"points", points}, {"front", front}};
+  Json json = {{"front", front}};
+  json.update(tables_json(document));
+  return json;
 }
 
 }  // namespace wobblebench::bench

@@ -33,7 +33,7 @@ def check_figures(found, truth, error):
     p95 = numpy.percentile(abs(found["Z"] - truth["Z"])[seen & has], 95)
     missed_percent = 100 * numpy.mean(seen & ~has)
     false_percent = 100 * numpy.mean((reason == 0) & has)
-    assert abs(p95 - error["depth_mm"]["p95"]) < 2e-5, (p95, error["depth_mm"])  # float32 of 100 mm
+    assert abs(p95 - error["p95_mm"]) < 2e-5, (p95, error["p95_mm"])  # float32 of 100 mm
     assert abs(missed_percent - error["missed_percent"]) < 1e-9, (missed_percent, error)
     assert abs(false_percent - error["false_percent"]) < 1e-9, (false_percent, error)
     return p95, missed_percent, false_percent

@@ -39,7 +39,7 @@ def check_example(name, p95_mm):
     assert done.returncode == 0, done.stderr
     report = json.load(open(os.path.join(FOLDER, name, "report.json")))
     error = report["error"]
-    assert error["depth_mm"]["p95"] < p95_mm and error["missed_percent"] < 2, error["depth_mm"]
+    assert error["p95_mm"] < p95_mm and error["missed_percent"] < 2, error["p95_mm"]
     passes = [one["name"] for one in report["timing"]["render"]["passes"]]
     assert passes == ["exchange", "program"], passes
     assert "with the exchange of files" in report["provenance"]["gl_renderer"]

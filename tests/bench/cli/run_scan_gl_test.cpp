@@ -188,8 +188,8 @@ TEST_F(RunOnAScan, FilesGiveTheFiguresOfTheReport) {
   EXPECT_GT(counts[1], 100);
   EXPECT_GT(counts[2], 0);
   EXPECT_GT(counts[3], 0);
-  EXPECT_NEAR(error.at("depth_mm").at("p95"), p95(errors), 1e-4);
-  EXPECT_EQ(error.at("depth_mm").at("n"), errors.size());
+  EXPECT_NEAR(error.at("p95_mm"), p95(errors), 1e-4);
+  EXPECT_EQ(error.at("pixels"), errors.size());
   EXPECT_NEAR(error.at("missed_percent"), missed * percent, 1e-9);
   EXPECT_NEAR(error.at("false_percent"), false_surface * percent, 1e-9);
   EXPECT_NEAR(error.at("outside_field_percent"), counts[2] * percent, 1e-9);

@@ -108,7 +108,7 @@ TEST_F(RunReport, WithoutASurfaceInViewHasNoFigures) {
   EXPECT_TRUE(error.at("missed_percent").is_null());
   EXPECT_TRUE(error.at("missed_surface_percent").is_null());
   EXPECT_TRUE(error.at("false_percent").is_null());
-  EXPECT_TRUE(error.at("depth_mm").at("bias").is_null());
+  EXPECT_TRUE(error.at("bias_mm").is_null());
   EXPECT_EQ(error.at("surface_percent"), 0);
   const auto summary = bench("run", nothing);
   EXPECT_EQ(summary.exit_code, 0);
@@ -151,7 +151,7 @@ TEST_F(RunReport, RendersLinearEnvelopesAsTheirLogCompression) {
   for (const auto& report : {live, played}) {
     EXPECT_EQ(report.at("board").at("samples").at("scale"), "linear");
     EXPECT_EQ(report.at("board").at("samples").at("log_compressed_over_db"), 60);
-    const auto bias = [](const Json& of) { return of.at("error").at("depth_mm").at("bias"); };
+    const auto bias = [](const Json& of) { return of.at("error").at("bias_mm"); };
     EXPECT_NEAR(bias(report).get<double>(), bias(log).get<double>(), 1e-3);
   }
   EXPECT_EQ(log.at("board").at("samples").at("scale"), "log");

@@ -133,7 +133,7 @@ class Received(InFolder):
         with open(os.path.join(out, "recording.json"), encoding="utf-8") as report:
             account = json.load(report)["board"]
         self.assertEqual(account["delivered"], 3 * FRAMES * LINES)
-        self.assertEqual(account["lost"]["link"], 2 * FRAMES * LINES)
+        self.assertEqual(account["lost_link"], 2 * FRAMES * LINES)
 
     def test_what_is_left_out_is_said(self):
         good = volumes(range(2))

@@ -78,17 +78,17 @@ TEST(Limits, AreCheckedByMagnitudeAndFailWhereNothingIsFormed) {
             "--limit p95_mm<=0.1: p95_mm is not formed: no truth");
 }
 
-TEST(Limits, NameFiguresThatSeveralGroupsHaveByTheirGroup) {
+TEST(Limits, NameFiguresThatSeveralPartsHaveByTheirPart) {
   Measurements found;
-  found.group("age_oldest_ms", "age_oldest");
+  found.prefix("age_oldest");
   found.add(times::kP99, 40.0);
-  found.group("age_newest_ms", "age_newest");
+  found.prefix("age_newest");
   found.add(times::kP99, 30.0);
   found.add(times::kN, 7);
   EXPECT_EQ(limit_names(found),
             (std::vector<std::string>{"age_oldest_p99_ms", "age_newest_p99_ms"}));
   EXPECT_EQ(to_json(found).dump(),
-            R"({"age_oldest_ms":{"p99":40.0},"age_newest_ms":{"p99":30.0,"n":7}})");
+            R"({"age_oldest_p99_ms":40.0,"age_newest_p99_ms":30.0,"age_newest_n":7})");
 }
 
 /// What a line says that refuses the limit of a figure of this name.

@@ -108,9 +108,7 @@ TEST(Rungs, FrontHoldsWhatNothingBeats) {
   add(Rung::geometry, 10, 3);
   add(Rung::field, 20, 4);
   add(Rung::scatterers, 30, 1);
-  const auto rungs = rungs_json(results);
-  EXPECT_EQ(rungs.at("points").size(), 3u);
-  EXPECT_EQ(rungs.at("points")[0].at("time_ratio"), 0.1);
+  const auto rungs = rungs_json(results, Document());
   EXPECT_EQ(rungs.at("front"), (nlohmann::ordered_json{"geometry", "scatterers"}));
 }
 

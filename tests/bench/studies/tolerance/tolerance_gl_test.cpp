@@ -40,7 +40,7 @@ TEST_F(Tolerance, IsKeptByTheFastestSettingThatHolds) {
   measured.erase(measured.size() - 1);
   for (const Json& faster : measured) EXPECT_FALSE(faster.at("holds"));
   EXPECT_EQ(tolerance.at("reached_mm"),
-            outside_silhouettes(report).at("depth_mm").at("p95").get<double>());
+            outside_silhouettes(report).at("p95_mm").get<double>());
   EXPECT_EQ(report.at("simulation").at("rung"), tolerance.at("rung"));
 }
 

@@ -60,7 +60,7 @@ TEST_F(Tune, WritesASceneThatHoldsWhatWasAsked) {
                             "--json"},
                            {});
     ASSERT_EQ(run.exit_code, 0) << run.err;
-    sum += nlohmann::json::parse(run.out).at("error").at("depth_mm").at("p95").get<double>();
+    sum += nlohmann::json::parse(run.out).at("error").at("p95_mm").get<double>();
   }
   EXPECT_NEAR(sum / 2, report.at("candidates").back().at("fresh").at("p95_mm").at("mean"), 1e-9);
 }
