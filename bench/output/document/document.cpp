@@ -42,7 +42,7 @@ std::string chart_file(const Document& document, const Figure& figure) {
 }
 
 nlohmann::ordered_json tables_json(const Document& document) {
-  nlohmann::ordered_json json;
+  auto json = nlohmann::ordered_json::object();
   for (const Block& block : document.blocks) {
     if (const auto* table = std::get_if<Table>(&block)) json[table->name] = to_json(*table);
   }

@@ -145,13 +145,18 @@ std::map<std::string, std::string> settings_in(const Json& report) {
 }
 
 MeasuredSide kept_side(const Json& report, const std::string& what) {
-  const std::string command = report.is_object() ? report.value("command", "") : "";
+  const auto refuse = [&](const std::string& why) { throw UserError(what + ": report.json " + why); };
   MeasuredSide side{.what = what, .kept = true};
   try {
-    if (report.is_object() && report.value("schema", 0) != kReportSchema) {
-      throw UserError(what + ": report.json is of schema " + report.value("schema", Json()).dump() +
-                      "; must be " + std::to_string(kReportSchema) + ": make it with a program of "
-                      "this schema (CHANGELOG.md has the keys of both)");
+    const std::string command = report.is_object() ? report.value("command", "") : "";
+    if (command != "run" && command != "compare") {
+      refuse("must be of `run` or `compare`" +
+             (command.empty() ? "" : ", not of `" + command + "`"));
+    }
+    if (report.value("schema", 0) != kReportSchema) {
+      refuse("is of schema " + report.value("schema", Json()).dump() + "; must be " +
+             std::to_string(kReportSchema) +
+             ": make it with a program of this schema (CHANGELOG.md has the keys of both)");
     }
     if (command == "run") {
       side.commit = text_at(report, "/provenance/commit");
@@ -161,21 +166,17 @@ MeasuredSide kept_side(const Json& report, const std::string& what) {
       side.settings[side.runs.front().scene] = settings_in(report);
       return side;
     }
-    if (command == "compare") {
-      const Json& kept = report.at("new");
-      side.commit = kept.at("commit");
-      side.cpu = kept.at("cpu");
-      side.gl_renderer = kept.at("gl_renderer");
-      side.board = kept.value("board", side.board);
-      side.settings = kept.at("settings").get<decltype(side.settings)>();
-      for (const Json& run : kept.at("runs")) side.runs.push_back(run_from(run));
-      return side;
-    }
+    const Json& kept = report.at("new");
+    side.commit = kept.at("commit");
+    side.cpu = kept.at("cpu");
+    side.gl_renderer = kept.at("gl_renderer");
+    side.board = kept.value("board", side.board);
+    side.settings = kept.at("settings").get<decltype(side.settings)>();
+    for (const Json& run : kept.at("runs")) side.runs.push_back(run_from(run));
   } catch (const Json::exception& error) {
-    throw UserError(what + ": report.json is damaged: " + error.what());
+    refuse(std::string("is damaged: ") + error.what());
   }
-  throw UserError(what + ": report.json must be of `run` or `compare`" +
-                  (command.empty() ? "" : ", not of `" + command + "`"));
+  return side;
 }
 
 }  // namespace wobblebench::bench

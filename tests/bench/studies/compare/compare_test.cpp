@@ -147,7 +147,8 @@ TEST(Compare, FiguresSurviveBeingKept) {
   MeasuredSide side = side_of("p95_mm", {1.25, 2.5});
   side.commit = "abc";
   side.settings["face"]["render.preset"] = "\"accurate\"";
-  const nlohmann::ordered_json report = {{"command", "compare"}, {"new", json_of(side)}};
+  nlohmann::ordered_json report = {
+      {"schema", 2}, {"command", "compare"}, {"new", json_of(side)}};
   const MeasuredSide read = kept_side(report, "folder");
   EXPECT_TRUE(read.kept);
   EXPECT_EQ(read.commit, "abc");
@@ -159,10 +160,12 @@ TEST(Compare, FiguresSurviveBeingKept) {
                            "{}",
                            "3",
                            R"({"command": "trade"})",
-                           R"({"command": "compare"})",
-                           R"({"command": "compare", "new": {"commit": 3}})"}) {
+                           R"({"schema": 2, "command": "compare"})",
+                           R"({"schema": 2, "command": "compare", "new": {"commit": 3}})"}) {
     EXPECT_THROW((void)kept_side(nlohmann::ordered_json::parse(text), "folder"), UserError) << text;
   }
+  report["schema"] = 1;
+  EXPECT_THROW((void)kept_side(report, "folder"), UserError);
 }
 
 // ---- the command, on a small scene

@@ -21,7 +21,7 @@ TEST_F(Fit, SaysWhatACorrectionWouldGain) {
       report_of(bench("fit --json --seeds 1 --coverage 1 --out fit", {kSmall, kPaper})).at("fit");
   EXPECT_GT(fit.at("registration").at("blocks").get<int>(), 10);
   EXPECT_EQ(fit.at("registration").at("coverage").at("seeds"), 1);
-  EXPECT_EQ(fit.at("model").at("terms").size(), 11);
+  EXPECT_EQ(fit.at("model").at("terms").size(), 11 + 4);
   EXPECT_TRUE(fit.at("model").at("explained_variance_held_out").is_number());
   EXPECT_FALSE(fit.at("model").at("choice").at("taken").empty());
   for (const std::string& file :
