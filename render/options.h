@@ -193,7 +193,7 @@ struct RayCastingOptions {
   double buffer_length_m = 0;
   /// Threshold on Difference of Eq. (1), for samples in [0, 1]. The paper leaves it to the user;
   /// this value suits the boxes of the built-in phantoms, where 8 steps span 0.9 mm, and the kernel
-  /// in slices (docs/results/calibration.md).
+  /// in slices.
   double threshold = 0.15;
   /// Likewise on the difference between the means of the buffer's halves, which does not grow with
   /// n: Difference divided by n / 2. 0: `threshold` says it. Not both.

@@ -4,9 +4,6 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <cstdio>
-#include <fstream>
-#include <string>
 
 #include "base/units.h"
 #include "tests/bench/evaluation/bound/bound_samples.h"
@@ -76,52 +73,6 @@ INSTANTIATE_TEST_SUITE_P(Rungs,
                          [](const auto& test) {
                            return test.param == sim::Rung::field ? "field" : "scatterers";
                          });
-
-/// A row of the first table of docs/results/bound.md; lengths in mm.
-struct DocumentRow {
-  PlaneCell cell;
-  double bound = 0, rung_bound = 0, envelope = 0;
-};
-
-std::vector<DocumentRow> document_rows() {
-  std::ifstream file(WOBBLEBENCH_SOURCE_DIR "/docs/results/bound.md");
-  std::vector<DocumentRow> rows;
-  for (std::string line; std::getline(file, line);) {
-    char rung[16], tilt[16];
-    double range_mm = 0, incidence_deg = 0;
-    DocumentRow row;
-    const int fields = std::sscanf(line.c_str(),
-                                   "| %15[a-z] | %lf | %lf° %15[a-z ]| %lf | %lf | %lf |",
-                                   rung,
-                                   &range_mm,
-                                   &incidence_deg,
-                                   tilt,
-                                   &row.bound,
-                                   &row.rung_bound,
-                                   &row.envelope);
-    if (fields != 7) continue;
-    row.cell = {.rung = std::string(rung) == "field" ? sim::Rung::field : sim::Rung::scatterers,
-                .range_m = range_mm * kMillimetre,
-                .incidence_rad = incidence_deg * kDegree,
-                .across = std::string(tilt) == "across "};
-    rows.push_back(row);
-  }
-  return rows;
-}
-
-// The first 20 rows are of rung `field`. Without seeds no stick is simulated: the oracle's columns,
-// and the bound of rung `scatterers`, are those of the commit that the document names.
-TEST(BoundTable, DocumentHasTheBoundsOfTheProgram) {
-  const auto rows = document_rows();
-  ASSERT_EQ(rows.size(), 40U);
-  for (std::size_t i = 3; i < 20; i += 4) {
-    const PlaneBound found = measure_plane_bound(rows[i].cell);
-    EXPECT_NEAR(found.bound_m / kMillimetre, rows[i].bound, 0.001) << "row " << i;
-    EXPECT_NEAR(found.rung_bound_m / kMillimetre, rows[i].rung_bound, 0.001) << "row " << i;
-    EXPECT_NEAR(found.envelope_m / kMillimetre, rows[i].envelope, 0.001) << "row " << i;
-    EXPECT_EQ(found.n, 0);
-  }
-}
 
 }  // namespace
 }  // namespace wobblebench::bench
