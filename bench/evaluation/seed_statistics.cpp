@@ -25,14 +25,6 @@ std::vector<std::uint64_t> seeds_from(std::uint64_t first, int count) {
   return seeds;
 }
 
-Cell interval_cell(const MeanInterval& interval) {
-  return interval.n > 0 ? Cell::interval(interval.mean, interval.half) : Cell();
-}
-
-Cell difference_cell(const MeanInterval& interval) {
-  return interval_cell(interval).bracket(!interval.differs_from_zero());
-}
-
 MeanInterval mean_interval(const std::vector<double>& values) {
   MeanInterval result{0, kUnset, 0};
   for (const double value : values) {

@@ -4,8 +4,6 @@
 #include <cstdint>
 #include <vector>
 
-#include "bench/output/document/table.h"
-
 namespace wobblebench::bench {
 
 /// first, first + 1, …
@@ -21,11 +19,6 @@ struct MeanInterval {
   /// The interval does not contain 0. False where there is none.
   bool differs_from_zero() const { return mean - half > 0 || mean + half < 0; }
 };
-
-/// The mean with its interval; nothing where there are no values.
-Cell interval_cell(const MeanInterval& interval);
-/// The same of a difference: in brackets where it is not told from 0.
-Cell difference_cell(const MeanInterval& interval);
 
 /// Values that are not finite are left out.
 MeanInterval mean_interval(const std::vector<double>& values);

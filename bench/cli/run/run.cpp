@@ -19,7 +19,7 @@
 #include "bench/command/run_in_folder.h"
 #include "bench/command/software_renderer.h"
 #include "bench/evaluation/truth/shadows.h"
-#include "bench/exchange/program/program_stream_renderer.h"
+#include "bench/pipeline/stream/program_stream_renderer.h"
 #include "bench/output/encoders.h"
 #include "bench/output/error_report.h"
 #include "bench/output/report.h"

@@ -22,7 +22,7 @@ namespace {
 constexpr int kSheetSide = 360;  // pixels of a panel of sheet.png
 constexpr int kLeastSide = 384;  // of error.png's panel, so that its names and numbers have room
 constexpr int kMostSide = 1024;
-constexpr double kFalseShare = 0.05;  // of a picture without a true surface
+constexpr double kMostFalseShare = 0.05;  // of a picture without a true surface
 
 /// Width of a panel in which pixels stay squares of whole pixels, where they are not too many.
 int panel_side(int size) {
@@ -208,7 +208,7 @@ std::string why_no_surface_picture(const PictureResult& result, const ResolvedSc
   const DepthError& error = result.comparison->error.raw;
   if (error.surface_in_view() || error.outside_field + error.grazing + error.shadowed > 0)
     return "";
-  if (error.false_surface < kFalseShare * error.pixels) return "";
+  if (error.false_surface < kMostFalseShare * error.pixels) return "";
   return "No surface in view: what was found is speckle and noise.";
 }
 

@@ -28,7 +28,7 @@
 #include "bench/command/software_renderer.h"
 #include "bench/evaluation/measures/depth_error.h"
 #include "bench/evaluation/truth/shadows.h"
-#include "bench/exchange/send/stream_sender.h"
+#include "bench/pipeline/send/stream_sender.h"
 #include "bench/output/image_io.h"
 #include "bench/pipeline/acquire.h"
 #include "bench/pipeline/motor_warning.h"

@@ -9,6 +9,7 @@
 
 #include "base/units.h"
 #include "bench/evaluation/bootstrap.h"
+#include "bench/output/document/interval_cells.h"
 #include "bench/output/report_parts.h"
 #include "bench/results/error.h"
 #include "bench/studies/accuracy/accuracy_charts.h"

@@ -12,7 +12,7 @@
 
 #include "base/part_done.h"
 #include "bench/evaluation/bound/spacing_error.h"
-#include "bench/evaluation/evaluator.h"
+#include "bench/studies/evaluator/evaluator.h"
 #include "bench/evaluation/measures/picture_measures.h"
 #include "bench/evaluation/seed_statistics.h"
 

@@ -145,7 +145,9 @@ std::map<std::string, std::string> settings_in(const Json& report) {
 }
 
 MeasuredSide kept_side(const Json& report, const std::string& what) {
-  const auto refuse = [&](const std::string& why) { throw UserError(what + ": report.json " + why); };
+  const auto refuse = [&](const std::string& why) {
+    throw UserError(what + ": report.json " + why);
+  };
   MeasuredSide side{.what = what, .kept = true};
   try {
     const std::string command = report.is_object() ? report.value("command", "") : "";

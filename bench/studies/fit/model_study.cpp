@@ -8,7 +8,7 @@
 
 #include "base/statistics.h"
 #include "base/units.h"
-#include "bench/evaluation/evaluator.h"
+#include "bench/studies/evaluator/evaluator.h"
 #include "bench/studies/fit/fit_scans.h"
 
 namespace wobblebench::bench {

@@ -123,14 +123,14 @@ void add_checks(const LatencyStudy& study, Document& document) {
   figure.panels = {age_chart(study, "P50", &Percentiles::p50, &Prediction::p50_ms),
                    age_chart(study, "P99", &Percentiles::p99, &Prediction::p99_ms)};
   document.add(Heading{"Virtual time against the wall clock"})
-      .add(Text{
-          "Age of the newest echo, from its scheduled emission until the picture is ready. "
-          "Service times are those of the settings that the table names, drawn in runs of 16 volumes; "
-          "they depend on the number of frames linearly between them. Virtual: median of 200 "
-          "streams as long as those on the wall, and in brackets what 95 % of them lie "
-          "between: P99 of n pictures is one of their largest. Pass 1 of a shallower scan "
-          "makes more pixels, which the model does not know: slices have as many over less "
-          "depth."})
+      .add(Text{"Age of the newest echo, from its scheduled emission until the picture is ready. "
+                "Service times are those of the settings that the table names, drawn in runs of 16 "
+                "volumes; "
+                "they depend on the number of frames linearly between them. Virtual: median of 200 "
+                "streams as long as those on the wall, and in brackets what 95 % of them lie "
+                "between: P99 of n pictures is one of their largest. Pass 1 of a shallower scan "
+                "makes more pixels, which the model does not know: slices have as many over less "
+                "depth."})
       .add(std::move(figure))
       .add(check_table(study));
 }

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "base/number_text.h"
+#include "bench/output/document/interval_cells.h"
 #include "bench/results/error.h"
 #include "bench/studies/trade/trade_report.h"
 

@@ -7,6 +7,7 @@
 
 #include "base/number_text.h"
 #include "base/statistics.h"
+#include "bench/output/document/interval_cells.h"
 #include "bench/results/error.h"
 
 namespace wobblebench::bench {

@@ -14,7 +14,7 @@
 #include "bench/exchange/export/sample_grid.h"
 #include "bench/exchange/igtl/message.h"
 #include "bench/exchange/igtl/message_server.h"
-#include "bench/exchange/send/send_arguments.h"
+#include "bench/pipeline/send/send_arguments.h"
 #include "bench/pipeline/stream/stream_queues.h"
 #include "hw/probe/polar_volume.h"
 

@@ -4,7 +4,7 @@
 #include <nlohmann/json_fwd.hpp>
 #include <string>
 
-#include "bench/exchange/send/stream_sender.h"
+#include "bench/pipeline/send/stream_sender.h"
 #include "bench/output/document/table.h"
 
 namespace wobblebench::bench {

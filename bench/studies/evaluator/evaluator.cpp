@@ -1,4 +1,4 @@
-#include "bench/evaluation/evaluator.h"
+#include "bench/studies/evaluator/evaluator.h"
 
 #include <algorithm>
 #include <chrono>

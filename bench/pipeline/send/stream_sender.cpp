@@ -1,4 +1,4 @@
-#include "bench/exchange/send/stream_sender.h"
+#include "bench/pipeline/send/stream_sender.h"
 
 #include <bit>
 #include <chrono>

@@ -1,4 +1,4 @@
-#include "bench/exchange/send/send_arguments.h"
+#include "bench/pipeline/send/send_arguments.h"
 
 #include <map>
 #include <sstream>

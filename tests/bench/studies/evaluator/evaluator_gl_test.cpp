@@ -1,5 +1,5 @@
 // The evaluator against the chain that `run` takes.
-#include "bench/evaluation/evaluator.h"
+#include "bench/studies/evaluator/evaluator.h"
 
 #include <gtest/gtest.h>
 

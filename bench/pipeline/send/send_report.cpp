@@ -1,4 +1,4 @@
-#include "bench/exchange/send/send_report.h"
+#include "bench/pipeline/send/send_report.h"
 
 #include <nlohmann/json.hpp>
 
