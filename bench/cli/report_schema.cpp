@@ -36,10 +36,12 @@ Json schema_of(const Measurements& found) {
           {"additionalProperties", kPart}};
 }
 
-/// Wherever a figure with a unit stands, it is one. Keys without one, as "samples", also name parts.
+/// Wherever a figure with a unit stands, it is one. Keys without one, as "samples", also name
+/// parts.
 Json figures_with_units() {
   Json properties;
-  for (const Chosen list : {Chosen(picture_measures()), Chosen(times::kAll), Chosen(counts::kAll)}) {
+  for (const Chosen list :
+       {Chosen(picture_measures()), Chosen(times::kAll), Chosen(counts::kAll)}) {
     for (const Measure* measure : list) {
       if (*unit_of(measure->key).name != '\0') properties[measure->key] = schema_of(*measure);
     }
@@ -67,11 +69,12 @@ Json definitions() {
                         {"value", number},
                         {"held", {{"type", {"boolean", "null"}}}},
                         {"because", text}}}};
-  const Json part = {{"properties", figures_with_units()},
-                     {"additionalProperties", kPart},
-                     {"items", kPart}};
+  const Json part = {
+      {"properties", figures_with_units()}, {"additionalProperties", kPart}, {"items", kPart}};
   // One value, with its interval or spread, or those of several measurements.
-  return {{"figure", {{"anyOf", {number, interval, list_of(number)}}}}, {"check", check}, {"part", part}};
+  return {{"figure", {{"anyOf", {number, interval, list_of(number)}}}},
+          {"check", check},
+          {"part", part}};
 }
 
 }  // namespace
@@ -84,8 +87,7 @@ std::string report_schema(const std::vector<std::string>& commands) {
       {"if", {{"properties", {{"command", {{"const", "stream"}}}}}}},
       {"then",
        {{"properties",
-         {{"timing",
-           {{"properties", {{"latency", schema_of(described(StreamSummary()))}}}}}}}}}};
+         {{"timing", {{"properties", {{"latency", schema_of(described(StreamSummary()))}}}}}}}}}};
   return report_text(
       {{"$schema", "https://json-schema.org/draft/2020-12/schema"},
        {"title", "report.json of wobblebench"},
@@ -95,8 +97,7 @@ std::string report_schema(const std::vector<std::string>& commands) {
         {{"schema", {{"const", kReportSchema}}},
          {"command", {{"enum", commands}}},
          {"provenance",
-          {{"type", "object"},
-           {"required", {"commit", "host", "cpu", "threads", "gl_renderer"}}}},
+          {{"type", "object"}, {"required", {"commit", "host", "cpu", "threads", "gl_renderer"}}}},
          {"scene", {{"type", {"object", "null"}}}},
          {"effects", list_of(text)},
          {"checks", list_of({{"$ref", "#/$defs/check"}})},

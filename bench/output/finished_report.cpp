@@ -54,7 +54,7 @@ const std::map<std::string, Paths>& paths_by_command() {
       {"rehearse",
        {"/rehearsal/wall_s", "/rehearsal/times_real_time", "/rehearsal/times_acquisition"}},
       {"board", {"/throughput/stages", "/cancel"}},
-      {"tables", {"/reference", "/tables", "/arrival", "/stages", "/floor"}},
+      {"tables", {"/reference", "/tables", "/arrival", "/stages", "/floor", "/fetches"}},
       {"accuracy", {"/accuracy/evaluation_ms", "/accuracy/render_ms"}},
       {"trade", {"/machines", "/trade/parts"}},
       {"tune",

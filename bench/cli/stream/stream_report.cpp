@@ -23,12 +23,13 @@ Json latency_json(const StreamReport& report) {
   const Bottleneck bottleneck = bottleneck_of(summary);
   Json json = {{"clock", "wall"}, {"ages_from", ages_from(summary)}};
   json.update(to_json(described(summary)));
-  json.update({{"spans", latency_spans_json(summary.spans)},
-               {"loads", to_json(load_table(summary))},
-               {"bottleneck", bottleneck.stage},
-               {"times_the_next", number(bottleneck.times_the_next)},
-               {"shown",
-                {{"volumes", report.result.shown.volumes}, {"sticks", report.result.shown.sticks}}}});
+  json.update(
+      {{"spans", latency_spans_json(summary.spans)},
+       {"loads", to_json(load_table(summary))},
+       {"bottleneck", bottleneck.stage},
+       {"times_the_next", number(bottleneck.times_the_next)},
+       {"shown",
+        {{"volumes", report.result.shown.volumes}, {"sticks", report.result.shown.sticks}}}});
   return json;
 }
 

@@ -7,9 +7,9 @@
 #include <vector>
 
 #include "bench/evaluation/measures/depth_error.h"
-#include "bench/pipeline/send/send_report.h"
 #include "bench/output/report_parts.h"
 #include "bench/pipeline/acquire.h"
+#include "bench/pipeline/send/send_report.h"
 #include "bench/pipeline/stream/stream_summary.h"
 #include "bench/scene/resolved_scene.h"
 

@@ -60,8 +60,8 @@ struct DirectedDistance {
 struct SurfaceDistance {
   DirectedDistance found_to_true;  ///< all that is found, to all that is there, seen or not
   DirectedDistance true_to_found;  ///< what the probe can see, to what is found
-  double mean_m = DirectedDistance::kNone;  ///< over the points of both
-  double p95_m = DirectedDistance::kNone;  ///< likewise
+  double mean_m = DirectedDistance::kNone;         ///< over the points of both
+  double p95_m = DirectedDistance::kNone;          ///< likewise
   double hausdorff95_m = DirectedDistance::kNone;  ///< the greater P95 of the two
 };
 

@@ -4,8 +4,8 @@
 #include <nlohmann/json_fwd.hpp>
 #include <string>
 
-#include "bench/pipeline/send/stream_sender.h"
 #include "bench/output/document/table.h"
+#include "bench/pipeline/send/stream_sender.h"
 
 namespace wobblebench::bench {
 

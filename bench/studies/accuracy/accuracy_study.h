@@ -12,9 +12,9 @@
 
 #include "base/part_done.h"
 #include "bench/evaluation/bound/spacing_error.h"
-#include "bench/studies/evaluator/evaluator.h"
 #include "bench/evaluation/measures/picture_measures.h"
 #include "bench/evaluation/seed_statistics.h"
+#include "bench/studies/evaluator/evaluator.h"
 
 namespace wobblebench::bench {
 

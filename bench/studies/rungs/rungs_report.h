@@ -22,8 +22,8 @@ Figure tissue_figure(const RungsResults& results);
 
 Document rungs_document(const RungsResults& results, const Provenance& provenance);
 
-/// "rungs" of report.json: those of which none is both faster and nearer to the truth ("front"), and
-/// the document's tables.
+/// "rungs" of report.json: those of which none is both faster and nearer to the truth ("front"),
+/// and the document's tables.
 nlohmann::ordered_json rungs_json(const RungsResults& results, const Document& document);
 
 }  // namespace wobblebench::bench

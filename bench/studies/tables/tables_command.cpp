@@ -62,14 +62,15 @@ Json tables_report(const TableVolumes& volumes,
                    const TableResults& results,
                    const TableRun& run,
                    const Provenance& provenance,
-                   const Scene& scene) {
+                   const Scene& scene,
+                   const Document& document) {
   Json report = report_head("tables", provenance, scene);
   report["effects"] = volumes.effects;
   report["acquisition"] = acquisition_json(scene.plan());
   if (volumes.motor.sticks > 0) {
     report["acquisition"]["motor_angles"] = motor_json(volumes.motor);
   }
-  add_tables(report, results, run, volumes.note);
+  add_tables(report, results, run, volumes.note, document);
   return report;
 }
 
@@ -99,7 +100,7 @@ CommandResult measure_and_write(Scene scene,
   Provenance provenance = provenance_of(context, volumes);
   provenance.seed = scene.simulation.seed;
   Document document = tables_document(results, run, volumes.note, provenance);
-  return {.report = report_text(tables_report(volumes, results, run, provenance, scene)),
+  return {.report = report_text(tables_report(volumes, results, run, provenance, scene, document)),
           .document = std::move(document)};
 }
 

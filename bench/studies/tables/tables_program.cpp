@@ -126,14 +126,15 @@ void refuse_cpu(const render::GlContext& context, const Arguments& arguments) {
 nlohmann::ordered_json report_of(const Provenance& provenance,
                                  const TableVolumes& volumes,
                                  const TableResults& results,
-                                 const TableRun& run) {
+                                 const TableRun& run,
+                                 const Document& document) {
   nlohmann::ordered_json report = {{"schema", kReportSchema},
                                    {"command", "tables"},
                                    {"provenance", to_json(provenance)},
                                    {"effects", volumes.effects}};
   report["acquisition"] = acquisition_json(volumes.by_frames.at(reference_row().frames).plan());
   report["acquisition"]["motor_angles"] = motor_json(volumes.motor);
-  add_tables(report, results, run, volumes.note);
+  add_tables(report, results, run, volumes.note, document);
   return report;
 }
 
@@ -158,14 +159,16 @@ CommandResult measure(const Arguments& arguments,
     return measure_tables(volumes, {}, context, run, done);
   });
   const Provenance provenance = provenance_of(context, volumes);
-  auto report = report_of(provenance, volumes, results, run);
   CommandResult result{.document = tables_document(results, run, volumes.note, provenance)};
+  std::string against_what;
   if (other) {
     const PicturesAgainst against = compare_with(*other, arguments, volumes, context);
-    report["agreement"] = agreement_json(against);
+    against_what = against.other;
     add_agreement(against, result.document);
     add_check(pictures_check(against), result);
   }
+  auto report = report_of(provenance, volumes, results, run, result.document);
+  if (other) report["against"] = against_what;
   result.report = report_text(report);
   return result;
 }

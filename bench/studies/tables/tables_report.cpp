@@ -49,21 +49,6 @@ Json table_json(const MeasuredTable& measured) {
   return table;
 }
 
-Json spread_json(const Spread& spread) {
-  return {{"median", spread.median}, {"min", spread.min}, {"max", spread.max}};
-}
-
-Json arrival_json(const TableResults& results) {
-  Json json = {{"frame_acquisition_ms", results.frame_acquisition_ms}};
-  for (const auto& [variant, arrival] : results.arrivals) {
-    json[to_string(variant)] = {{"add_frame_ms", spread_json(arrival.add_frame_ms)},
-                                {"times_acquisition", results.times_acquisition(variant)},
-                                {"new_volume_ms", spread_json(arrival.new_volume_ms)},
-                                {"new_view_ms", spread_json(arrival.new_view_ms)}};
-  }
-  return json;
-}
-
 Json stages_json(const std::vector<StageTimes>& stages) {
   Json json = Json::array();
   for (const StageTimes& times : stages) {
@@ -73,25 +58,6 @@ Json stages_json(const std::vector<StageTimes>& stages) {
                     {"last_frame_ms", times.last_frame_ms},
                     {"picture_ms", times.picture_ms},
                     {"new_view_ms", times.new_view_ms}});
-  }
-  return json;
-}
-
-Json floors_json(const TableResults& results) {
-  Json json = {{"fetches_per_us", Json::object()}};
-  for (const auto& [kind, rate] : results.floors.rates_per_us) {
-    json["fetches_per_us"][to_string(kind)] = rate;
-  }
-  for (const auto& [variant, passes] : results.floors.passes) {
-    for (const PassFloor& floor : passes) {
-      Json fetches = Json::object();
-      for (const auto& [kind, count] : floor.fetches) fetches[to_string(kind)] = count;
-      json[to_string(variant)].push_back(
-          {{"name", floor.pass},
-           {"fetches", fetches},
-           {"floor_ms", floor.floor_ms},
-           {"ms", pass_ms(results.reference.timings.at(variant), floor.pass)}});
-    }
   }
   return json;
 }
@@ -112,29 +78,11 @@ bool PicturesAgainst::all_explained() const {
   });
 }
 
-Json agreement_json(const PicturesAgainst& against) {
-  Json json = {{"other", against.other},
-               {"filter_error", kFilterError},
-               {"most_unexplained_share", kMostUnexplained},
-               {"pictures", Json::array()}};
-  for (const PictureAgreement& of : against.agreements) {
-    json["pictures"].push_back({{"settings", of.settings},
-                                {"pixels", of.pixels},
-                                {"z_rms_mm", of.z_rms_mm},
-                                {"z_p999_mm", of.z_p999_mm},
-                                {"z_largest_mm", of.z_largest_mm},
-                                {"found_in_one_share", of.found_in_one_share},
-                                {"unexplained_share", of.unexplained_share},
-                                {"light_rms", of.light_rms},
-                                {"light_largest", of.light_largest}});
-  }
-  return json;
-}
-
 void add_tables(Json& report,
                 const TableResults& results,
                 const TableRun& run,
-                const std::string& note) {
+                const std::string& note,
+                const Document& document) {
   report["run"] = {{"text", describe_run(run)},
                    {"note", note},
                    {"divisor", run.divisor},
@@ -143,9 +91,11 @@ void add_tables(Json& report,
   report["reference"] = row_json(results.reference);
   report["tables"] = Json::array();
   for (const MeasuredTable& table : results.tables) report["tables"].push_back(table_json(table));
-  report["arrival"] = arrival_json(results);
   report["stages"] = stages_json(results.stages);
-  report["floor"] = floors_json(results);
+  const Json tables = tables_json(document);
+  for (const char* name : {"arrival", "floor", "fetches", "agreement"}) {
+    if (tables.contains(name)) report[name] = tables[name];
+  }
 }
 
 }  // namespace wobblebench::bench

@@ -36,15 +36,16 @@ struct PicturesAgainst {
 
 /// What people read of it.
 void add_agreement(const PicturesAgainst& against, Document& document);
-nlohmann::ordered_json agreement_json(const PicturesAgainst& against);
 
 /// A panel for each table: time relative to the reference row, the paper's, plain and fast.
 std::vector<Figure> tables_figures(const TableResults& results, const TableRun& run);
 
-/// Adds run, reference, tables and arrival to the head of report.json.
+/// Adds run, reference, tables and stages to the head of report.json, and of the document the
+/// tables of what arrives, of the floor, of fetches and of agreement.
 void add_tables(nlohmann::ordered_json& report,
                 const TableResults& results,
                 const TableRun& run,
-                const std::string& note);
+                const std::string& note,
+                const Document& document);
 
 }  // namespace wobblebench::bench

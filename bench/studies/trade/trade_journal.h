@@ -11,9 +11,9 @@
 #include <utility>
 #include <vector>
 
-#include "bench/studies/evaluator/evaluator.h"
 #include "bench/evaluation/measures/picture_measures.h"
 #include "bench/results/times.h"
+#include "bench/studies/evaluator/evaluator.h"
 #include "bench/studies/trade/journal_file.h"
 
 namespace wobblebench::bench {

@@ -73,10 +73,11 @@ TEST(Measurements, StandInReportsAndTablesAsTheyAreDeclared) {
   static constexpr Measure kP95{"p95_mm", "P95", ""}, kPixels{"pixels", "pixels", ""};
   static constexpr const Measure* kShown[] = {&kP95, &kPixels};
   Measurements found;
-  found.group("distance_mm/back");
   found.add(kP95, 1.25);
   found.add(kPixels, 12);
-  EXPECT_EQ(to_json(found), Json::parse(R"({"distance_mm": {"back": {"p95": 1.25, "n": 12}}})"));
+  found.prefix("back");
+  found.add(kP95, 3.0);
+  EXPECT_EQ(to_json(found), Json::parse(R"({"p95_mm": 1.25, "pixels": 12, "back_p95_mm": 3.0})"));
   const Table table{.columns = columns_of({}, kShown), .rows = {cells_of({}, found, kShown)}};
   EXPECT_EQ(markdown(table), "| P95, mm | pixels |\n| ---: | ---: |\n| 1.25 | 12 |\n");
 }

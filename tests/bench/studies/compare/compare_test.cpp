@@ -147,8 +147,7 @@ TEST(Compare, FiguresSurviveBeingKept) {
   MeasuredSide side = side_of("p95_mm", {1.25, 2.5});
   side.commit = "abc";
   side.settings["face"]["render.preset"] = "\"accurate\"";
-  nlohmann::ordered_json report = {
-      {"schema", 2}, {"command", "compare"}, {"new", json_of(side)}};
+  nlohmann::ordered_json report = {{"schema", 2}, {"command", "compare"}, {"new", json_of(side)}};
   const MeasuredSide read = kept_side(report, "folder");
   EXPECT_TRUE(read.kept);
   EXPECT_EQ(read.commit, "abc");

@@ -39,8 +39,7 @@ TEST_F(Tolerance, IsKeptByTheFastestSettingThatHolds) {
   EXPECT_LE(measured.back().at("missed_or_false_bound_percent"), 5);
   measured.erase(measured.size() - 1);
   for (const Json& faster : measured) EXPECT_FALSE(faster.at("holds"));
-  EXPECT_EQ(tolerance.at("reached_mm"),
-            outside_silhouettes(report).at("p95_mm").get<double>());
+  EXPECT_EQ(tolerance.at("reached_mm"), outside_silhouettes(report).at("p95_mm").get<double>());
   EXPECT_EQ(report.at("simulation").at("rung"), tolerance.at("rung"));
 }
 
