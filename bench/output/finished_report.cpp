@@ -64,7 +64,9 @@ const std::map<std::string, Paths>& paths_by_command() {
         "/tune/chosen",
         "/tune/nearest",
         "/tune/at_an_end",
-        "/tune/unseen",
+        "/tune/scenes",
+        "/tune/reached",
+        "/tune/reached_unseen",
         "/requests"}},
       {"rungs", {"/rungs"}},
       {"latency", {"/latency"}}};

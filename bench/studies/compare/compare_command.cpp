@@ -166,7 +166,10 @@ Measurement planned(const Arguments& arguments) {
                       all.now.measured.board + ", BASE with " + all.base.measured.board);
     }
     all.scenes.clear();
-    for (const auto& [scene, now] : all.now.measured.settings) refuse_other_body(all, scene, now);
+    for (const auto& [scene, now] : all.now.measured.settings) {
+      refuse_other_body(all, scene, now);
+      all.scenes.push_back({scene, {}});
+    }
   }
   all.now.measured.board = all.base.measured.board;
   name_kept_run(all);
@@ -186,10 +189,20 @@ void stage_picture(OutputFolder& out,
   staged.push_back(scene);
 }
 
-void stage_pictures(Measurement& all, OutputFolder& out, ComparisonResult& result) {
+/// Those of kept sides, and what both sides' say of each other.
+void take_pictures(Measurement& all, int wanted_seeds) {
   for (const ComparedScene& scene : all.scenes) {
     Pictures& of = all.pictures[scene.name];
-    if (!all.base.program) of.base = kept_pictures(all.base, scene);
+    if (all.base.measured.kept) of.base = kept_pictures(all.base, scene);
+    if (all.now.measured.kept) of.now = kept_pictures(all.now, scene);
+    const std::uint64_t seed = seeds_of(all, scene.name, wanted_seeds).front();
+    add_likeness(all.base.measured, of.base, all.now.measured, of.now, scene.name, seed);
+  }
+}
+
+void stage_pictures(const Measurement& all, OutputFolder& out, ComparisonResult& result) {
+  for (const ComparedScene& scene : all.scenes) {
+    const Pictures& of = all.pictures.at(scene.name);
     stage_picture(out, scene.name, "surface", of, &KeptPictures::surface, result.with_surface);
     stage_picture(out, scene.name, "error", of, &KeptPictures::error, result.with_error);
   }
@@ -240,9 +253,10 @@ int compare(const Arguments& arguments) {
 
   const auto work = [&](OutputFolder& out, Progress& progress) {
     const auto judge = [&](const char* step) {
-      if (!all.scenes.empty()) {
+      if (all.now.program) {
         progress.step(step, [&](const PartDone& done) { measure_all(all, arguments.seeds, done); });
       }
+      take_pictures(all, arguments.seeds);
       const bool alone = arguments.now.empty();
       return alone ? std::vector<Verdict>() : verdicts(all.base.measured, all.now.measured, limits);
     };

@@ -10,6 +10,8 @@
 #include "base/file.h"
 #include "base/text.h"
 #include "base/user_error.h"
+#include "bench/evaluation/measures/picture_measures.h"
+#include "bench/output/encoders.h"
 #include "bench/scene/reported_run.h"
 #include "bench/studies/compare/child_program.h"
 
@@ -32,6 +34,23 @@ std::string read_if_there(const fs::path& file) {
   std::error_code ignored;
   constexpr std::size_t kMostPictureBytes = 100'000'000;
   return fs::is_regular_file(file, ignored) ? read_file(file, kMostPictureBytes) : "";
+}
+
+/// The pictures of these files, which may be missing.
+KeptPictures pictures_of(const fs::path& surface, const fs::path& error) {
+  KeptPictures pictures{read_if_there(surface), read_if_there(error)};
+  if (pictures.surface.empty()) return pictures;
+  constexpr int kMostSide = 16384;
+  constexpr double kWhite = 255;
+  const DecodedPicture png = encoders().decode(surface, kMostSide);
+  constexpr int kLeastSide = 11;  // of compare_images()
+  if (png.channels.size() < 3 || std::min(png.width, png.height) < kLeastSide) return pictures;
+  pictures.shown = Image<glm::vec3>(png.width, png.height);
+  for (std::size_t i = 0; i < pictures.shown.pixels.size(); ++i) {
+    const double* const values = &png.values[i * png.channels.size()];
+    pictures.shown.pixels[i] = glm::vec3(values[0], values[1], values[2]) / float(kWhite);
+  }
+  return pictures;
 }
 
 /// The scene's name in the names of its pictures: what keeps the artefacts of continuous
@@ -165,7 +184,7 @@ KeptPictures measure(ComparedSide& side, const ComparedScene& scene, std::uint64
   measured.gl_renderer = run.gl_renderer;
   measured.settings[scene.name] = settings_in(report);
   measured.runs.push_back({scene.name, seed, run.runs.front().figures});
-  return {read_if_there(out / "surface.png"), read_if_there(out / "error.png")};
+  return pictures_of(out / "surface.png", out / "error.png");
 }
 
 std::string compared_picture(const std::string& side,
@@ -181,9 +200,29 @@ KeptPictures kept_pictures(const ComparedSide& side, const ComparedScene& scene)
   };
   std::error_code ignored;
   if (fs::is_regular_file(of_compare("surface"), ignored)) {
-    return {read_if_there(of_compare("surface")), read_if_there(of_compare("error"))};
+    return pictures_of(of_compare("surface"), of_compare("error"));
   }
-  return {read_if_there(side.folder / "surface.png"), read_if_there(side.folder / "error.png")};
+  return pictures_of(side.folder / "surface.png", side.folder / "error.png");
+}
+
+void add_likeness(MeasuredSide& base,
+                  const KeptPictures& of_base,
+                  MeasuredSide& now,
+                  const KeptPictures& of_now,
+                  const std::string& scene,
+                  std::uint64_t seed) {
+  const auto set = [&](MeasuredSide& side, std::optional<double> value) {
+    for (MeasuredRun& run : side.runs) {
+      if (run.scene != scene) continue;
+      run.figures.erase(kPictureSsim.key);
+      if (value && run.seed == seed) run.figures[kPictureSsim.key] = *value;
+    }
+  };
+  const Image<glm::vec3>&a = of_base.shown, &b = of_now.shown;
+  const bool both = !a.pixels.empty() && !b.pixels.empty();
+  const bool alike = both && a.width == b.width && a.height == b.height;
+  set(base, both ? std::optional(1.0) : std::nullopt);
+  set(now, alike ? std::optional(compare_images(a, b).ssim) : std::nullopt);
 }
 
 }  // namespace wobblebench::bench

@@ -2,10 +2,12 @@
 #pragma once
 
 #include <filesystem>
+#include <glm/vec3.hpp>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "base/image.h"
 #include "bench/studies/compare/run_figures.h"
 
 namespace wobblebench::bench {
@@ -22,6 +24,7 @@ std::vector<ComparedScene> compared_scenes(const std::vector<std::string>& files
 /// The pictures of a scene's first seed: bytes of PNG files, empty where there are none.
 struct KeptPictures {
   std::string surface, error;
+  Image<glm::vec3> shown = {};  ///< the surface's values, of 0 to 1
 };
 
 /// A program that makes runs.
@@ -58,5 +61,14 @@ std::string compared_picture(const std::string& side,
 
 /// The pictures of a kept side.
 KeptPictures kept_pictures(const ComparedSide& side, const ComparedScene& scene);
+
+/// Sets kPictureSsim of both sides' runs of the scene and seed: 1 of the base; of the new side none
+/// where its picture has another size. Of neither where one has no picture, nor of other seeds.
+void add_likeness(MeasuredSide& base,
+                  const KeptPictures& of_base,
+                  MeasuredSide& now,
+                  const KeptPictures& of_now,
+                  const std::string& scene,
+                  std::uint64_t seed);
 
 }  // namespace wobblebench::bench

@@ -28,7 +28,7 @@ struct AllowedName {
 };
 
 constexpr std::array kAllowed = {
-    AllowedName{Allowed::worse_by, "worse_by", "higher by at most "},
+    AllowedName{Allowed::worse_by, "worse_by", "worse by at most "},
     AllowedName{Allowed::changed_by, "changed_by", "changed by at most "},
     AllowedName{Allowed::ratio, "ratio", "at most "},
     AllowedName{Allowed::equal, "equal", "equal"},
@@ -92,6 +92,7 @@ class LimitReader {
 std::string text_of(const ChangeLimit& limit) {
   std::string says = name_of(limit.allowed).says;
   if (limit.allowed == Allowed::equal) return says;
+  if (limit.allowed == Allowed::ratio && limit.most == 1) return "not more";
   if (limit.allowed == Allowed::ratio) return says + significant(limit.most, 4) + " times";
   const std::string unit = unit_of(limit.figure).name;
   return says + significant(limit.most, 4) + (unit.empty() || unit == "°" ? "" : " ") + unit;
@@ -108,7 +109,8 @@ std::vector<ChangeLimit> default_change_limits() {
           {error::kNormalMedian.key, Allowed::worse_by, 0.5},
           {times::kFrame.key, Allowed::ratio, 1.25},
           {times::kCpu.key, Allowed::ratio, 1.25},
-          {counts::kFetches.key, Allowed::equal},
+          {kPictureSsim.key, Allowed::worse_by, 0.005},
+          {counts::kFetches.key, Allowed::ratio, 1},
           {counts::kSticks.key, Allowed::equal},
           {counts::kSamples.key, Allowed::equal}};
 }

@@ -9,7 +9,7 @@ namespace wobblebench::bench {
 
 /// What a limit holds against its number.
 enum class Allowed {
-  worse_by,    ///< new less base, at most
+  worse_by,    ///< new less base, at most; base less new where less is worse, as of ssim
   changed_by,  ///< its magnitude: for signed figures
   ratio,       ///< new over base, at most
   equal,       ///< every digit; there is no number
@@ -18,7 +18,7 @@ enum class Allowed {
 struct ChangeLimit {
   std::string figure;
   Allowed allowed = Allowed::worse_by;
-  double most = 0;  ///< in the figure's unit; of `ratio`: above 1; of `equal`: unused
+  double most = 0;  ///< in the figure's unit; of `ratio`: 1 or more; of `equal`: unused
 };
 
 /// "changed by at most 0.05 mm".

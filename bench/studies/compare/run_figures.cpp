@@ -86,9 +86,16 @@ FigureKind kind_of_figure(const std::string& name) {
   return counted ? FigureKind::work : FigureKind::error;
 }
 
+Worse worse_of(const std::string& name) {
+  if (name == kPictureSsim.key) return kPictureSsim.worse;
+  const auto measures = picture_measures();
+  const auto found = std::ranges::find(measures, name, &Measure::key);
+  return found == measures.end() ? Worse::higher : (*found)->worse;
+}
+
 const std::vector<std::string>& run_figure_names() {
   static const std::vector<std::string> names = [] {
-    std::vector<std::string> all = {times::kCpu.key, counts::kFetches.key};
+    std::vector<std::string> all = {times::kCpu.key, counts::kFetches.key, kPictureSsim.key};
     for (const Measure* measure : picture_measures()) all.emplace_back(measure->key);
     for (const auto& [measure, place] : kPlaces) all.emplace_back(measure->key);
     for (const char* pass : {"scan_conversion", "ray_casting", "shading", "smoothing"}) {

@@ -7,6 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "bench/results/measure.h"
+
 namespace wobblebench::bench {
 
 /// How figures of a kind differ between two equal runs.
@@ -20,6 +22,15 @@ enum class FigureKind {
 FigureKind kind_of_figure(const std::string& name);
 /// All names that a run of this program may have.
 const std::vector<std::string>& run_figure_names();
+
+/// Of a scene's first seed: the new side's shaded picture against the base's, as the files have it.
+inline constexpr Measure kPictureSsim{"picture_ssim",
+                                      "likeness of the pictures",
+                                      "SSIM of both sides' shaded pictures",
+                                      Worse::lower};
+
+/// The way in which a figure of a run gets worse.
+Worse worse_of(const std::string& name);
 
 /// Values by name: the measures of the whole picture as --limit names them, frame_ms and the time
 /// of each pass, simulation_ms, run_ms; sticks, samples, and the texture fetches of the picture and

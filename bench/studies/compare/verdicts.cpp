@@ -67,10 +67,21 @@ Outcome outcome_of(const MeanInterval& change, const ChangeLimit& limit) {
   if (noisy && !std::isfinite(change.half)) return Outcome::open;
   const double half = std::isfinite(change.half) ? change.half : 0;
   const bool both_ways = limit.allowed == Allowed::changed_by;
-  const double size = both_ways ? std::abs(change.mean) : change.mean;
+  const double worse = worse_of(limit.figure) == Worse::lower ? -change.mean : change.mean;
+  const double size = both_ways ? std::abs(change.mean) : worse;
   const double most = limit.allowed == Allowed::ratio ? limit.most - 1 : limit.most;
   if (size - half > most) return Outcome::broken;
   return size + half <= most ? Outcome::kept : Outcome::open;
+}
+
+/// Of what is counted, which has no noise, and of what must be equal: each pair keeps the limit.
+Outcome exact_outcome(const Pairs& pairs, const ChangeLimit& limit) {
+  bool kept = pairs.now == pairs.base;
+  if (limit.allowed == Allowed::ratio) {
+    kept = std::ranges::equal(
+        pairs.now, pairs.base, [&](double now, double base) { return now <= limit.most * base; });
+  }
+  return kept ? Outcome::kept : Outcome::broken;
 }
 
 /// Why a figure of these sides cannot be compared; empty: it can.
@@ -109,11 +120,10 @@ Verdict verdict_of(const MeasuredSide& base,
   }
   if (!verdict.why.empty()) return verdict;
   verdict.change = change_of(pairs, limit.allowed);
-  if (limit.allowed == Allowed::equal) {
-    verdict.outcome = pairs.base == pairs.now ? Outcome::kept : Outcome::broken;
-  } else {
-    verdict.outcome = outcome_of(verdict.change, limit);
-  }
+  const bool counted = kind_of_figure(limit.figure) == FigureKind::work;
+  const bool exact =
+      limit.allowed == Allowed::equal || (counted && limit.allowed == Allowed::ratio);
+  verdict.outcome = exact ? exact_outcome(pairs, limit) : outcome_of(verdict.change, limit);
   return verdict;
 }
 

@@ -33,7 +33,8 @@ struct Verdict {
 
 /// A verdict for each scene and limit. The limit is broken where the whole 95 % interval of the
 /// change lies beyond it, and kept where the whole interval lies within; a single pair is taken at
-/// its value, or leaves a limit of time open. Times are not compared with those of a side that was
+/// its value, or leaves a limit of time open. What is counted has no noise: one pair beyond a limit
+/// breaks it. Times are not compared with those of a side that was
 /// kept, nor work between renderers (GL_RENDERER) that round differently.
 std::vector<Verdict> verdicts(const MeasuredSide& base,
                               const MeasuredSide& now,

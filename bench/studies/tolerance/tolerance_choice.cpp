@@ -140,8 +140,8 @@ std::string text_of(const TradeWork& work, const TradePoint& point) {
 }
 
 bool holds(const TradeScore& score, double tolerance_mm) {
-  return upper_quantity(score, kToleranceMeasure) <= tolerance_mm &&
-         upper_quantity(score, kWrongMeasure) <= kMostWrongPercent;
+  return upper_quantity(score, kToleranceMeasure).value <= tolerance_mm &&
+         upper_quantity(score, kWrongMeasure).value <= kMostWrongPercent;
 }
 
 /// Measures what is asked for and not known.
@@ -200,7 +200,7 @@ class Measured {
 
 std::size_t most_accurate(const std::vector<ToleranceSetting>& settings) {
   const auto bound = [](const ToleranceSetting& setting) {
-    const double value = upper_quantity(setting.score, kToleranceMeasure);
+    const double value = upper_quantity(setting.score, kToleranceMeasure).value;
     return std::pair(!std::isfinite(value), value);
   };
   return static_cast<std::size_t>(std::ranges::min_element(settings, {}, bound) - settings.begin());

@@ -16,10 +16,10 @@ Json setting_json(const ToleranceSetting& setting) {
   const TradeScore& score = setting.score;
   return {{"settings", setting.text},
           {"holds", setting.holds},
-          {kToleranceMeasure, number(quantity_of(score, kToleranceMeasure))},
-          {"outside_p95_bound_mm", number(upper_quantity(score, kToleranceMeasure))},
-          {kWrongMeasure, number(quantity_of(score, kWrongMeasure))},
-          {"missed_or_false_bound_percent", number(upper_quantity(score, kWrongMeasure))},
+          {kToleranceMeasure, number(quantity_of(score, kToleranceMeasure).value)},
+          {"outside_p95_bound_mm", number(upper_quantity(score, kToleranceMeasure).value)},
+          {kWrongMeasure, number(quantity_of(score, kWrongMeasure).value)},
+          {"missed_or_false_bound_percent", number(upper_quantity(score, kWrongMeasure).value)},
           {"volume_ms", number(score.volume_ms)}};
 }
 
@@ -68,8 +68,9 @@ std::string tolerance_lines(const ToleranceResult& result) {
   std::string lines = "tolerance   " + in_mm(choice.request.tolerance_mm) +
                       ", P95 of depth more than 3 mm from a silhouette: ";
   lines += choice.promised ? "promised" : "cannot be promised";
-  lines += " (a further seed: at most " + in_mm(upper_quantity(setting.score, kToleranceMeasure)) +
-           "), reached " + in_mm(result.outcome.reached_mm) +
+  lines += " (a further seed: at most " +
+           in_mm(upper_quantity(setting.score, kToleranceMeasure).value) + "), reached " +
+           in_mm(result.outcome.reached_mm) +
            (result.outcome.held ? ", held there" : ", not held") + "\nchosen      " + setting.text +
            "; rung " + choice.rung + "; rendering predicted to take " +
            significant(setting.score.volume_ms, 3) + " ms, took " +
@@ -87,8 +88,8 @@ Check tolerance_check(const ToleranceResult& result) {
               .value = result.outcome.reached_mm};
   if (!choice.promised) {
     check.failure = "no setting keeps it on this scene; the least bound is " +
-                    in_mm(upper_quantity(score, kToleranceMeasure)) + ", with " +
-                    significant(upper_quantity(score, kWrongMeasure), 3) +
+                    in_mm(upper_quantity(score, kToleranceMeasure).value) + ", with " +
+                    significant(upper_quantity(score, kWrongMeasure).value, 3) +
                     " % missed or false (at most " + significant(kMostWrongPercent, 3) +
                     " % are allowed)";
   } else if (!result.outcome.held) {

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iterator>
+#include <functional>
 #include <map>
 #include <numeric>
 #include <random>
@@ -54,12 +54,27 @@ std::vector<double> means_of_seeds(const std::vector<const TradeRecord*>& record
   return means;
 }
 
-TradeScore score_of(std::size_t point, const std::vector<const TradeRecord*>& records) {
-  TradeScore score;
-  score.point = point;
-  for (const auto& [measure, time] : kTradeTimes) score.*time = geometric_mean(records, time);
+/// None where a value is not formed: mean_interval() would leave out the seed.
+MeanInterval interval_of_all(const std::vector<double>& values) {
+  const bool whole = std::ranges::all_of(values, [](double value) { return std::isfinite(value); });
+  return mean_interval(whole ? values : std::vector<double>{});
+}
+
+TradeFigures figures_of(const std::vector<const TradeRecord*>& records) {
+  TradeFigures figures;
+  for (const auto& [measure, time] : kTradeTimes) figures.*time = geometric_mean(records, time);
   for (std::size_t i = 0; i < traded().size(); ++i) {
-    score.measures.push_back(mean_interval(means_of_seeds(records, i)));
+    figures.measures.push_back(interval_of_all(means_of_seeds(records, i)));
+  }
+  return figures;
+}
+
+TradeScore score_of(std::size_t point, const std::vector<const TradeRecord*>& records) {
+  TradeScore score{{figures_of(records)}, point, {}};
+  std::map<std::size_t, std::vector<const TradeRecord*>> by_scene;
+  for (const TradeRecord* record : records) by_scene[record->unit.scene].push_back(record);
+  for (const auto& [scene, of_scene] : by_scene) {
+    score.scenes.push_back({{figures_of(of_scene)}, scene});
   }
   return score;
 }
@@ -208,12 +223,22 @@ double deviation_of_nothing(const TradeWork& work, const VarianceShare& share, s
 
 }  // namespace
 
-double TradeScore::p95_mm() const {
+double TradeFigures::p95_mm() const {
   return measures[trade_measure(error::kP95.key)].mean;
 }
 
-double TradeScore::wrong_percent() const {
+double TradeFigures::wrong_percent() const {
   return measures[trade_measure(error::kMissedOrFalse.key)].mean;
+}
+
+const TradeScore::OnScene& TradeScore::worst(const Measure& measure) const {
+  const std::size_t at = trade_measure(measure.key);
+  const OnScene* worst = &scenes.at(0);
+  for (const OnScene& one : scenes) {
+    if (!std::isfinite(one.measures[at].mean)) return one;
+    if (one.measures[at].mean > worst->measures[at].mean) worst = &one;
+  }
+  return *worst;
 }
 
 std::optional<TradeScore> trade_score(const TradeWork& work,
@@ -235,14 +260,21 @@ std::vector<TradeScore> trade_scores(const TradeWork& work,
   return scores;
 }
 
+bool finds_surface(const TradeScore& score) {
+  return score.worst(error::kMissedOrFalse).wrong_percent() <= kMostWrongPercent;
+}
+
 std::vector<std::size_t> trade_front(const std::vector<TradeScore>& scores) {
-  std::vector<std::size_t> front;
+  // A setting that finds nothing has no P95.
+  std::vector<std::size_t> able, front;
   for (std::size_t i = 0; i < scores.size(); ++i) {
-    // A setting that finds nothing has no P95.
-    if (!std::isfinite(scores[i].p95_mm())) continue;
-    const bool beaten = std::any_of(scores.begin(), scores.end(), [&](const TradeScore& other) {
-      return dominates(other, scores[i]);
-    });
+    if (std::isfinite(scores[i].p95_mm())) able.push_back(i);
+  }
+  const auto within = [&](std::size_t i) { return finds_surface(scores[i]); };
+  if (std::ranges::any_of(able, within)) std::erase_if(able, std::not_fn(within));
+  for (const std::size_t i : able) {
+    const bool beaten = std::ranges::any_of(
+        able, [&](std::size_t other) { return dominates(scores[other], scores[i]); });
     if (!beaten) front.push_back(i);
   }
   std::sort(front.begin(), front.end(), [&](std::size_t a, std::size_t b) {
@@ -253,11 +285,8 @@ std::vector<std::size_t> trade_front(const std::vector<TradeScore>& scores) {
 
 std::vector<TradeKnee> trade_knees(const std::vector<TradeScore>& scores,
                                    const std::vector<std::size_t>& front) {
-  std::vector<std::size_t> whole;
-  std::ranges::copy_if(front, std::back_inserter(whole), [&](std::size_t i) {
-    return scores[i].wrong_percent() <= kMostWrongPercent;
-  });
-  const std::vector<std::size_t> hull = lower_hull(scores, whole);
+  if (front.empty() || !finds_surface(scores[front.front()])) return {};
+  const std::vector<std::size_t> hull = lower_hull(scores, front);
   std::vector<TradeKnee> knees;
   for (std::size_t i = 1; i + 1 < hull.size(); ++i) {
     const TradeKnee knee{hull[i],

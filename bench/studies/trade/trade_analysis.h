@@ -11,13 +11,27 @@
 
 namespace wobblebench::bench {
 
-/// A point over its scenes and seeds. The times are geometric means.
-struct TradeScore : TradeTimes {
-  std::size_t point = 0;
-  std::vector<MeanInterval> measures;  ///< for each of traded(): over seeds
+/// Of one scene or the mean of several. The times are geometric means over scenes and seeds.
+struct TradeFigures : TradeTimes {
+  /// For each of traded(): over seeds. Without a mean where a scene or a seed has no value, as one
+  /// in which nothing is found.
+  std::vector<MeanInterval> measures;
 
   double p95_mm() const;
   double wrong_percent() const;  ///< missed_or_false_percent
+};
+
+/// A point's means over its scenes, and each of these alone: a mean hides a scene that is bad.
+struct TradeScore : TradeFigures {
+  std::size_t point = 0;
+  struct OnScene : TradeFigures {
+    std::size_t scene = 0;  ///< number of the plan
+  };
+  std::vector<OnScene> scenes;
+
+  /// The scene on which the measure is greatest, or not formed. Throws std::out_of_range for a
+  /// measure that is not traded, and without scenes.
+  const OnScene& worst(const Measure& measure) const;
 };
 
 /// The score of a point on these scenes and all seeds of the plan; none where a measurement is
@@ -32,8 +46,16 @@ std::vector<TradeScore> trade_scores(const TradeWork& work,
                                      const TradeRecords& records,
                                      const std::vector<std::size_t>& scenes);
 
+/// The most of a picture that may be missed or false, percent, where settings are compared by P95:
+/// a setting that finds only surfaces that are easy to detect would have the least P95.
+inline constexpr double kMostWrongPercent = 5;
+
+/// Misses and invents at most kMostWrongPercent on each of its scenes.
+bool finds_surface(const TradeScore& score);
+
 /// Numbers of the scores that no other beats or equals in time for a volume, P95 and what
-/// is missed or false together, by time.
+/// is missed or false together, by time. Of the scores of finds_surface(); of all, where there is
+/// none.
 std::vector<std::size_t> trade_front(const std::vector<TradeScore>& scores);
 
 /// A corner of the lower convex hull of log P95 against log time: more time beyond it buys less
@@ -44,12 +66,8 @@ struct TradeKnee {
   double gain_before = 0, gain_after = 0;
 };
 
-/// The most of a picture that may be missed or false, percent, where settings are compared by P95:
-/// a setting that finds only surfaces that are easy to detect would have the least P95.
-inline constexpr double kMostWrongPercent = 5;
-
-/// The knees of the points within kMostWrongPercent, by time, without the ends of the hull.
-/// `front`: the result of trade_front().
+/// The knees, by time, without the ends of the hull. None where no point has
+/// finds_surface(). `front`: the result of trade_front().
 std::vector<TradeKnee> trade_knees(const std::vector<TradeScore>& scores,
                                    const std::vector<std::size_t>& front);
 

@@ -46,7 +46,7 @@ std::string head_text(const TradeResults& results) {
       std::to_string(plan.scenes.size()) + " scenes and " + std::to_string(plan.seeds.size()) +
       " seeds (" + std::to_string(plan.seeds.front()) + " to " + std::to_string(plan.seeds.back()) +
       "): " + std::to_string(results.records.size()) +
-      " measurements. All sticks are simulated. MeasuredValue by:\n\n";
+      " measurements. All sticks are simulated. Measured by:\n\n";
   for (const std::string& machine : results.machines) text += "- " + machine + "\n";
   text +=
       "\nTimes are those of the picture of a new volume (pass 1 with the reconstruction before it, "
@@ -91,50 +91,85 @@ std::string evaluation_text(const TradeResults& results) {
 Table front_table(const TradeResults& results, const Part& part) {
   static constexpr const Measure* kShown[] = {
       &error::kMedian, &error::kP95, &error::kOutsideP95, &error::kMissed, &error::kFalse};
-  Table table{.name = "front_" + part.file(),
-              .columns = columns_of({{"point"},
-                                     {"volume_ratio", "time"},
-                                     {"view_ratio", "time of a new view"},
-                                     {"volume_ms", "time", "ms", 0}},
-                                    kShown)};
-  table.columns.push_back({"setting"});
+  // Of several scenes the worst beside the mean.
+  const bool several = part.scenes.size() > 1;
+  std::vector<Column> first = {{"point"}, {"setting"}, {"volume_ratio", "time"}};
+  if (several) {
+    first.push_back({"worst_p95_mm", "P95 of the worst scene", "mm"});
+    first.push_back({"worst_scene", "which"});
+  }
+  Table table{.name = "front_" + part.file(), .columns = columns_of(std::move(first), kShown)};
+  table.columns.push_back({"view_ratio", "time of a new view"});
+  table.columns.push_back({"volume_ms", "time", "ms", 0});
   for (const std::size_t i : part.front) {
     const TradeScore& score = part.scores[i];
-    std::vector<Cell> row = {score.point, score.volume_ratio, score.view_ratio, score.volume_ms};
+    std::vector<Cell> row = {
+        score.point, point_text(results.work, score.point), score.volume_ratio};
+    if (several) {
+      const auto& worst = score.worst(error::kP95);
+      row.emplace_back(worst.p95_mm());
+      row.emplace_back(results.work.plan.scenes[worst.scene].name);
+    }
     for (const Measure* measure : kShown) {
       row.push_back(interval_cell(score.measures[trade_measure(measure->key)]));
     }
-    row.emplace_back(point_text(results.work, score.point));
+    row.emplace_back(score.view_ratio);
+    row.emplace_back(score.volume_ms);
     table.add(std::move(row), point_id(score.point));
   }
   return table;
 }
 
+/// " (at most 2.98 on face)": of the worst scene, where there are several.
+std::string worst_text(const TradeResults& results,
+                       const Part& part,
+                       const TradeScore& score,
+                       const Measure& measure) {
+  if (part.scenes.size() < 2) return "";
+  const auto& worst = score.worst(measure);
+  return " (at most " + fixed(worst.measures[trade_measure(measure.key)].mean, 2) + " on " +
+         results.work.plan.scenes[worst.scene].name + ")";
+}
+
 /// A sentence for each knee, with what changed since the one before.
 std::string knees_text(const TradeResults& results, const Part& part) {
   const TradeScore* before = nullptr;
-  std::string text = "Knees, of the points with at most " + fixed(kMostWrongPercent, 0) +
-                     " % missed or false:\n\n";
+  std::string text = "Knees:\n\n";
   for (const TradeKnee& knee : part.knees) {
     const TradeScore& score = part.scores[knee.score];
     text += "- At " + fixed(score.volume_ratio, 2) + " of the reference's time (point " +
             std::to_string(score.point) + ": " +
             point_text(results.work, score.point, before ? &before->point : nullptr) + ") P95 is " +
-            fixed(score.p95_mm(), 2) + " mm, missed or false " + fixed(score.wrong_percent(), 2) +
-            " %. Each per cent of time took " + fixed(knee.gain_before, 2) +
+            fixed(score.p95_mm(), 2) + " mm" + worst_text(results, part, score, error::kP95) +
+            ", missed or false " + fixed(score.wrong_percent(), 2) + " %" +
+            worst_text(results, part, score, error::kMissedOrFalse) +
+            ". Each per cent of time took " + fixed(knee.gain_before, 2) +
             " % off P95 up to here and takes " + fixed(knee.gain_after, 2) + " % beyond.\n";
     before = &score;
   }
   return text;
 }
 
+/// Which points the front is of.
+std::string front_text(const Part& part) {
+  const auto able = std::ranges::count_if(part.scores, finds_surface);
+  const std::string most = fixed(kMostWrongPercent, 0) + " % of the picture";
+  const std::string of =
+      able > 0
+          ? "Of the " + std::to_string(able) + " points of " + std::to_string(part.scores.size()) +
+                " that miss or invent at most " + most + " on each scene"
+          : "**No point of " + std::to_string(part.scores.size()) + " misses and invents at most " +
+                most +
+                " on each scene**, so that a low P95 here is of what is easy to find. Of all";
+  return of + ", " + std::to_string(part.front.size()) +
+         " are beaten by no other in time, P95 and missed or false together.";
+}
+
 void add_part(const TradeResults& results, const Part& part, Document& document) {
-  document.add(Heading{"Front: " + part.name})
-      .add(Text{std::to_string(part.front.size()) + " of " + std::to_string(part.scores.size()) +
-                " points are beaten by no other in time, P95 and missed or false together."});
+  document.add(Heading{"Front: " + part.name}).add(Text{front_text(part)});
+  if (!part.knees.empty()) document.add(Text{knees_text(results, part)});
   if (!part.front.empty()) document.add(trade_figure(results, part));
   document.add(front_table(results, part));
-  if (!part.knees.empty()) document.add(Text{knees_text(results, part)});
 }
 
 void add_effects(const TradeResults& results,

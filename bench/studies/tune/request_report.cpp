@@ -109,7 +109,7 @@ Chart request_chart(const RequestStudy& study, std::size_t limit) {
       const auto& judged = outcome.answers[method].judged;
       if (!judged) continue;
       const double most = outcome.request.limits.at(limit).most;
-      series.add(most, quantity_of(*judged, name));
+      series.add(most, quantity_of(*judged, name).value);
       edge.add(most, most);
     }
     chart.series.push_back(std::move(series));

@@ -40,11 +40,6 @@ SceneTrade trade_of_scene(const TradeWork& work, const TradeRecords& known, std:
     throw UserError("--trade: no point is measured on scene " + work.plan.scenes[scene].name +
                     "; finish the trade first");
   }
-  std::vector<TradeScore> usual;
-  std::ranges::copy_if(trade.front, std::back_inserter(usual), [](const TradeScore& score) {
-    return score.wrong_percent() <= kMostWrongPercent;
-  });
-  if (!usual.empty()) trade.front = std::move(usual);
   return trade;
 }
 
@@ -53,7 +48,7 @@ TuneRequest draw_request(const std::vector<TradeScore>& front, std::mt19937_64& 
   TuneRequest request{.least = "volume_ratio", .limits = {}};
   for (const char* name : kLimited) {
     const double above = kMostAbove * unit_interval(random());
-    request.limits.push_back({name, quantity_of(about, name) * (1 + above)});
+    request.limits.push_back({name, quantity_of(about, name).value * (1 + above)});
   }
   return request;
 }

@@ -39,7 +39,7 @@ TuneOptions options_of(const Arguments& arguments) {
   for (const std::string& limit : arguments.limits) {
     options.request.limits.push_back(parse_limit(limit));
   }
-  if (arguments.random) options.search.method = SearchMethod::random;
+  if (arguments.random || !has_nsga2()) options.search.method = SearchMethod::random;
   return options;
 }
 
@@ -133,19 +133,20 @@ std::vector<ConditionalOption> conditional_options(const Arguments& arguments) {
           {"--least", !draws, "--limit"}};
 }
 
-/// Before any work.
-void check_search(const Arguments& arguments) {
-  if (arguments.random || arguments.tune.search.evaluations == 0 || has_nsga2()) return;
-  throw std::runtime_error(
-      "tune: this program was built without pagmo: `script/bootstrap tune`, then `script/build "
-      "run`; "
-      "or search with --random, or not at all with --evaluations 0");
+/// Empty: the search is the one that was asked for.
+std::string without_pagmo(const Arguments& arguments) {
+  if (arguments.random || arguments.tune.search.evaluations == 0 || has_nsga2()) return "";
+  return "tune: searches at random: this program was built without pagmo, and so without NSGA-II "
+         "(`script/bootstrap`, then `script/build run`)";
 }
 
 /// --requests
 int study(const Arguments& arguments) {
   if (arguments.trade.empty()) throw UserError("--requests: needs --trade, about which it draws");
   if (!arguments.limits.empty()) throw UserError("--requests: draws its limits; leave --limit out");
+  if (const std::string random = without_pagmo(arguments); !random.empty()) {
+    throw std::runtime_error("--requests: compares NSGA-II with others; " + random);
+  }
   TradeWork work = work_of(arguments);
   Machine machine(arguments);
   const auto left_out = leave_out_all_refused(work, machine.cache);
@@ -177,14 +178,15 @@ int study(const Arguments& arguments) {
   return run_in_folder(arguments.output, {{"requests", 100}}, measure_and_write);
 }
 
+/// Empty: a setting was found, and its checks say the rest.
 std::string failure_of(const TuneResults& results) {
+  if (results.chosen() != nullptr) return "";
   const std::string nearest = nearest_text(results);
   return "tune: no setting was found within the limits" +
          (nearest.empty() ? std::string("; all were refused") : "; nearest: " + nearest);
 }
 
 int tune(const Arguments& arguments) {
-  check_search(arguments);
   if (arguments.requests > 0) return study(arguments);
   const TuneOptions options = options_of(arguments);
   TradeWork work = work_of(arguments);
@@ -197,6 +199,7 @@ int tune(const Arguments& arguments) {
     for (const std::string& line : left_out) progress.warn(line);
     progress.warn(idle_settings(work));
     progress.warn(idle_options_text(*arguments.command, conditional_options(arguments)));
+    progress.warn(without_pagmo(arguments));
     Journal journal(out, work, provenance);
     const TuneResults results = progress.step("search", [&](const PartDone& done) {
       return bench::tune(work,
@@ -212,12 +215,19 @@ int tune(const Arguments& arguments) {
     for (std::size_t i = 0; found && i < work.plan.scenes.size(); ++i) {
       out.write_text(tuned_file(results, i), tuned_scene(results, i));
     }
-    return {.report =
-                report_of(work, "tune", tune_json(results), provenance, journal, progress.times()),
-            .exit_code = found ? kDone : kFailed,
-            .failure = found ? "" : failure_of(results),
-            .checks = tune_checks(results),
-            .document = document};
+    CommandResult result{
+        .report =
+            report_of(work, "tune", tune_json(results), provenance, journal, progress.times()),
+        .exit_code = found ? kDone : kFailed,
+        .failure = failure_of(results),
+        .document = document};
+    std::vector<Check> checks = tune_checks(results);
+    if (!found) {
+      result.checks = std::move(checks);
+      return result;
+    }
+    for (Check& check : checks) add_check(std::move(check), result);
+    return result;
   };
   return run_in_folder(arguments.output, {{"search", 100}}, search_and_write);
 }
@@ -232,9 +242,15 @@ Command add_tune_command(CLI::App& app) {
   add_required_path(
       command, "PLAN", arguments->plan, "TOML file with scenes and axes, as of trade");
   add_list(command, "--set", arguments->settings, "SECTION.KEY=VALUE for every scene");
-  add_text(
-      command, "--least", arguments->tune.request.least, "Quantity to minimise: time or an error");
-  add_list(command, "--limit", arguments->limits, "NAME<=NUMBER, as p95_mm<=2; repeat it for each");
+  add_text(command,
+           "--least",
+           arguments->tune.request.least,
+           "Quantity to minimise, mean of the scenes: time or an error");
+  add_list(
+      command,
+      "--limit",
+      arguments->limits,
+      "NAME<=NUMBER, as p95_mm<=2: on every scene; mean:p95_mm<=2: on their mean (repeatable)");
   add_path(command, "--trade", arguments->trade, "Folder of a trade of this plan to start from");
   add_integer(command,
               "--evaluations",

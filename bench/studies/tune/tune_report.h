@@ -15,8 +15,8 @@ namespace wobblebench::bench {
 /// `machine`: what measured.
 Document tune_document(const TuneResults& results, const std::string& machine);
 nlohmann::ordered_json tune_json(const TuneResults& results);
-/// Each limit, against the bound of the chosen point on fresh seeds, or against the nearest
-/// point's.
+/// Each limit, against the bound of the chosen point on the worst scene and fresh seeds, or against
+/// the nearest point's; then on the worst of the plan's unseen scenes.
 std::vector<Check> tune_checks(const TuneResults& results);
 /// "point 3 (iso_level 0.5, steps 32): p95_mm 2.4 of at most 2 (20 % above), …"; empty: none is
 /// known.

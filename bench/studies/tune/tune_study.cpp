@@ -18,15 +18,42 @@ constexpr double kNearEnd = 0.03;
 constexpr std::size_t kMostScans = 12;  // kept at a time: some 100 MB each at the default scan
 
 /// The time of that name; none: it names a measure.
-std::optional<double> time_of(const TradeScore& score, const std::string& name) {
+std::optional<double> time_of(const TradeFigures& of, const std::string& name) {
   for (const auto& [known, time] : kTradeTimes) {
-    if (name == known->key) return score.*time;
+    if (name == known->key) return of.*time;
   }
   return std::nullopt;
 }
 
-double magnitude(const std::string& name, double value) {
-  return quantity(name).worse == Worse::away_from_zero ? std::abs(value) : value;
+Reached reached_by(const TradeScore& score, const std::string& name, bool bound) {
+  if (is_mean(name)) return {figure_of(score, name.substr(kMeanOf.size()), bound)};
+  Reached worst{-1};
+  for (const TradeScore::OnScene& one : score.scenes) {
+    const double value = figure_of(one, name, bound);
+    if (std::isnan(value)) return {value, one.scene};
+    if (value > worst.value) worst = {value, one.scene};
+  }
+  return worst;
+}
+
+std::vector<LimitValue> limit_values(const TuneRequest& request,
+                                     const TradeScore& score,
+                                     bool bound) {
+  std::vector<LimitValue> values;
+  for (const TuneLimit& limit : request.limits) {
+    values.push_back({limit, reached_by(score, limit.name, bound)});
+  }
+  return values;
+}
+
+/// Sum of the parts above each limit.
+double excess_of(const std::vector<LimitValue>& values) {
+  double sum = 0;
+  for (const auto& [limit, reached] : values) {
+    sum +=
+        std::isfinite(reached.value) ? std::max(0.0, reached.value / limit.most - 1) : kNotFormed;
+  }
+  return sum;
 }
 
 /// Scores points of one work, measuring what is not known.
@@ -145,7 +172,7 @@ class Tuning {
   }
 
   SearchValue value_of(const TradeScore& score) const {
-    return {quantity_of(score, request().least), excess_of(request(), score)};
+    return {quantity_of(score, mean_of(request().least)).value, excess_of(request(), score)};
   }
 
   SearchValue measure(const SearchPoint& at) {
@@ -227,27 +254,14 @@ class Tuning {
   }
 
   void take_nearer(std::size_t point, const TradeScore& score, bool fresh) {
-    TuneNearest nearest{.point = point, .on_fresh_seeds = fresh, .values = {}};
-    for (const TuneLimit& limit : request().limits) {
-      nearest.values.push_back(
-          {limit, fresh ? upper_quantity(score, limit.name) : quantity_of(score, limit.name)});
-    }
-    const auto excess = [](const TuneNearest& one) {
-      double sum = 0;
-      for (const auto& [limit, value] : one.values) {
-        sum += std::isfinite(value) ? std::max(0.0, value / limit.most - 1) : kNotFormed;
-      }
-      return sum;
-    };
-    if (!results_.nearest || excess(nearest) < excess(*results_.nearest)) {
+    TuneNearest nearest{point, fresh, limit_values(request(), score, fresh)};
+    if (!results_.nearest || excess_of(nearest.values) < excess_of(results_.nearest->values)) {
       results_.nearest = std::move(nearest);
     }
   }
 
   bool all_hold(const TradeScore& fresh) const {
-    return std::ranges::all_of(request().limits, [&](const TuneLimit& limit) {
-      return upper_quantity(fresh, limit.name) <= limit.most;
-    });
+    return std::ranges::all_of(limit_values(request(), fresh, true), &LimitValue::holds);
   }
 
   void judge() {
@@ -261,11 +275,21 @@ class Tuning {
       const TradeWork judging = work_on(plan().scenes, seeds);
       results_.judged = Scorer(judging, {}, kept_, context_, cache_).score(point);
     }
+    judge_unseen(point);
+  }
+
+  void judge_unseen(std::size_t point) {
     const TradeWork unseen = work_on(plan().unseen, results_.fresh_seeds);
     Scorer scorer(unseen, {}, {kept_.journal, kept_.part + " unseen"}, context_, cache_);
+    std::vector<std::size_t> able;
     for (const std::size_t scene : all_scenes(unseen.plan)) {
-      results_.unseen.push_back({plan().unseen[scene].name, scorer.score(point, {scene})});
+      if (scorer.score(point, {scene})) {
+        able.push_back(scene);
+      } else {
+        results_.unseen.refused.push_back(plan().unseen[scene].name);
+      }
     }
+    if (!able.empty()) results_.unseen.score = scorer.score(point, able);
   }
 
   TradeWork work_on(std::vector<NamedOptions> scenes, std::vector<std::uint64_t> seeds) const {
@@ -295,11 +319,20 @@ std::vector<std::string> tune_quantities() {
   return all;
 }
 
+std::string mean_of(const std::string& name) {
+  return is_mean(name) ? name : std::string(kMeanOf) + name;
+}
+
+bool is_mean(const std::string& name) {
+  return name.starts_with(kMeanOf);
+}
+
 const Measure& quantity(const std::string& name) {
+  const std::string key = is_mean(name) ? name.substr(kMeanOf.size()) : name;
   for (const auto& [measure, time] : kTradeTimes) {
-    if (name == measure->key) return *measure;
+    if (key == measure->key) return *measure;
   }
-  return *traded()[trade_measure(name)];
+  return *traded()[trade_measure(key)];
 }
 
 void check_quantity(const std::string& option, const std::string& name) {
@@ -311,31 +344,44 @@ void check_quantity(const std::string& option, const std::string& name) {
 }
 
 TuneLimit parse_limit(const std::string& text) {
-  TuneLimit limit = parse_limit(text, tune_quantities());
-  if (limit.most > 0) return limit;
-  throw UserError("--limit = " + text + ": must be NAME<=NUMBER with a number above 0");
+  const bool mean = is_mean(text);
+  TuneLimit limit = parse_limit(mean ? text.substr(kMeanOf.size()) : text, tune_quantities());
+  if (!(limit.most > 0)) {
+    throw UserError("--limit = " + text + ": must be NAME<=NUMBER with a number above 0");
+  }
+  if (mean) limit.name = mean_of(limit.name);
+  return limit;
 }
 
-double quantity_of(const TradeScore& score, const std::string& name) {
-  if (const auto time = time_of(score, name)) return *time;
-  return magnitude(name, score.measures[trade_measure(name)].mean);
+double figure_of(const TradeFigures& of, const std::string& name, bool bound) {
+  if (const auto time = time_of(of, name)) return *time;
+  MeanInterval known = of.measures[trade_measure(name)];
+  if (quantity(name).worse == Worse::away_from_zero) known.mean = std::abs(known.mean);
+  return bound ? upper_of_next(known) : known.mean;
 }
 
-double upper_quantity(const TradeScore& score, const std::string& name) {
-  if (const auto time = time_of(score, name)) return *time;
-  MeanInterval known = score.measures[trade_measure(name)];
-  known.mean = magnitude(name, known.mean);
-  return upper_of_next(known);
+Reached quantity_of(const TradeScore& score, const std::string& name) {
+  return reached_by(score, name, false);
+}
+
+Reached upper_quantity(const TradeScore& score, const std::string& name) {
+  return reached_by(score, name, true);
 }
 
 double excess_of(const TuneRequest& request, const TradeScore& score) {
-  double sum = 0;
-  for (const TuneLimit& limit : request.limits) {
-    const double value = quantity_of(score, limit.name);
-    if (!std::isfinite(value)) return kNotFormed;
-    sum += std::max(0.0, value / limit.most - 1);
-  }
-  return std::isfinite(quantity_of(score, request.least)) ? sum : kNotFormed;
+  const double least = quantity_of(score, mean_of(request.least)).value;
+  if (!std::isfinite(least)) return kNotFormed;
+  return std::min(kNotFormed, excess_of(limit_values(request, score, false)));
+}
+
+std::vector<LimitValue> TuneResults::reached() const {
+  if (chosen() == nullptr) return {};
+  return limit_values(options.request, *chosen()->fresh, true);
+}
+
+std::vector<LimitValue> TuneResults::reached_unseen() const {
+  if (!unseen.score) return {};
+  return limit_values(options.request, *unseen.score, true);
 }
 
 const TuneCandidate* TuneResults::chosen() const {

@@ -62,6 +62,26 @@ TEST(Compare, OneFetchAmongMillionsIsAChange) {
 }
 
 /// Ratios 2 and 0.5: their geometric mean is 1, where the mean is 1.25.
+/// Less work is no fault, and one seed's saving makes no room for another's growth.
+TEST(Compare, WorkBreaksOnlyWhereItGrows) {
+  const ChangeLimit limit{"fetches", Allowed::ratio, 1};
+  EXPECT_EQ(verdict_on(limit, {900, 500}, {800, 400}).outcome, Outcome::kept);
+  EXPECT_EQ(verdict_on(limit, {900, 500}, {900, 500}).outcome, Outcome::kept);
+  EXPECT_EQ(verdict_on(limit, {31936724, 500}, {31936725, 400}).outcome, Outcome::broken);
+  EXPECT_EQ(verdict_on({"fetches", Allowed::ratio, 1.1}, {100, 100}, {110, 90}).outcome,
+            Outcome::kept);
+  EXPECT_EQ(text_of(limit), "not more");
+}
+
+/// Of SSIM and PSNR less is worse.
+TEST(Compare, ALikenessIsWorseWhereItFalls) {
+  for (const char* const figure : {"ssim", "picture_ssim"}) {
+    const ChangeLimit limit{figure, Allowed::worse_by, 0.01};
+    EXPECT_EQ(verdict_on(limit, {0.9}, {0.8}).outcome, Outcome::broken) << figure;
+    EXPECT_EQ(verdict_on(limit, {0.8}, {0.9}).outcome, Outcome::kept) << figure;
+  }
+}
+
 TEST(Compare, RatiosOfTimesAreGeometric) {
   const ChangeLimit limit{"frame_ms", Allowed::ratio, 1.25};
   EXPECT_NEAR(verdict_on(limit, {100, 100}, {200, 50}).change.mean, 0, 1e-12);
@@ -234,7 +254,9 @@ TEST_F(CompareCommand, AKeptBaseTellsAChangedSetting) {
                                "--out",
                                "new"});
   EXPECT_EQ(result.exit_code, 1) << result.err;
-  EXPECT_NE(result.err.find("wobblebench: ball: fetches "), std::string::npos) << result.err;
+  EXPECT_NE(result.err.find("wobblebench: ball: picture_ssim 1 to 0."), std::string::npos)
+      << result.err;
+  EXPECT_EQ(result.err.find("fetches"), std::string::npos) << "there are fewer: " << result.err;
   EXPECT_NE(text_of("new/compare.md").find("| ball | `render.smoothing.filter_size` | `9` | `5` |"),
             std::string::npos);
 }

@@ -10,6 +10,7 @@
 #include <random>
 
 #include "base/user_error.h"
+#include "bench/results/error.h"
 #include "bench/studies/trade/trade_analysis.h"
 #include "bench/studies/trade/trade_study.h"
 #include "tests/support/bytes_of.h"
@@ -32,6 +33,7 @@ TradeScore score(std::size_t point, double time, double p95_mm, double wrong_per
   result.measures.assign(traded().size(), exactly(0));
   result.measures[trade_measure("p95_mm")] = exactly(p95_mm);
   result.measures[trade_measure("missed_or_false_percent")] = exactly(wrong_percent);
+  result.scenes = {{result, 0}};
   return result;
 }
 
@@ -43,6 +45,19 @@ TEST(TradeFront, HoldsWhatNoOtherBeats) {
                                           score(4, 0.5, std::nan(""), 40),
                                           score(5, 9, 3, 5)};  // slower than 1
   EXPECT_EQ(trade_front(scores), (std::vector<std::size_t>{0, 1, 3}));
+}
+
+/// What misses most of the surface has the least P95 of what is left.
+TEST(TradeFront, IsOfPointsThatFindTheSurfaceOnEveryScene) {
+  std::vector<TradeScore> scores = {score(0, 1, 5, 5), score(1, 0.5, 0.4, 37.6)};
+  EXPECT_EQ(trade_front(scores), (std::vector<std::size_t>{0}));
+  scores.push_back(score(2, 1, 4, 4));  // a mean of 1 and 7
+  scores.back().scenes = {{score(2, 1, 1, 1), 0}, {score(2, 1, 7, 7), 1}};
+  EXPECT_EQ(scores.back().worst(error::kP95).scene, 1U);
+  EXPECT_EQ(trade_front(scores), (std::vector<std::size_t>{0}));
+  scores.erase(scores.begin());
+  EXPECT_EQ(trade_front(scores), (std::vector<std::size_t>{0, 1})) << "none finds it";
+  EXPECT_TRUE(trade_knees(scores, trade_front(scores)).empty());
 }
 
 /// P95 = 8 / time up to time 4, and 4 / sqrt(time) beyond: one per cent of time takes 1 %, then

@@ -19,7 +19,15 @@ TradeScore score(double volume_ms, double p95_mm, double half_mm = 0, double med
   result.measures.assign(traded().size(), {0, 0, 3});
   result.measures[trade_measure("p95_mm")] = {p95_mm, half_mm, 3};
   result.measures[trade_measure("median_mm")] = {median_mm, 0, 3};
+  result.scenes = {{result, 0}};
   return result;
+}
+
+/// Of two scenes, and their mean.
+TradeScore score_of_two(const TradeScore& a, const TradeScore& b, double mean_p95_mm) {
+  TradeScore both = score(0, mean_p95_mm);
+  both.scenes = {{a, 0}, {b, 1}};
+  return both;
 }
 
 TEST(TuneLimit, IsANameAndANumber) {
@@ -41,6 +49,24 @@ TEST(TuneLimit, IsANameAndANumber) {
   EXPECT_NO_THROW(check_quantity("--least", "view_ms"));
 }
 
+/// 1 and 3 mm are 2 on average, and 3 is beyond a limit of 2.5.
+TEST(TuneRequest, ALimitIsForEverySceneAndAMeanOnlyByAsking) {
+  const TradeScore both = score_of_two(score(1, 1, 0.1), score(1, 3, 0.1), 2);
+  const Reached reached = quantity_of(both, "p95_mm");
+  EXPECT_EQ(reached.value, 3);
+  EXPECT_EQ(reached.scene, 1U);
+  EXPECT_EQ(quantity_of(both, "mean:p95_mm").value, 2);
+  EXPECT_EQ(quantity_of(both, "mean:p95_mm").scene, std::nullopt);
+  EXPECT_GT(upper_quantity(both, "p95_mm").value, 3);
+  EXPECT_NEAR(excess_of({"volume_ms", {{"p95_mm", 2.5}}}, both), 0.2, 1e-12);
+  EXPECT_EQ(excess_of({"volume_ms", {parse_limit("mean:p95_mm<=2.5")}}, both), 0);
+  const TradeScore none = score_of_two(score(1, std::nan("")), score(1, 1), 1);
+  EXPECT_EQ(quantity_of(none, "p95_mm").scene, 0U);
+  EXPECT_GT(excess_of({"volume_ms", {{"p95_mm", 2.5}}}, none), 1000);
+  EXPECT_THROW(parse_limit("mean:p95<=2"), UserError);
+  EXPECT_THROW(parse_limit("mean:<=2"), UserError);
+}
+
 TEST(TuneRequest, ExcessIsTheSumOfThePartsAboveEachLimit) {
   const TuneRequest request{"volume_ms", {{"p95_mm", 2}, {"volume_ms", 100}, {"median_mm", 0.1}}};
   EXPECT_EQ(excess_of(request, score(100, 2)), 0);
@@ -54,10 +80,10 @@ TEST(TuneRequest, ExcessIsTheSumOfThePartsAboveEachLimit) {
 TEST(TuneRequest, AFurtherSeedStaysBelowTheBoundOfStudent) {
   const double deviation = 0.1;
   const double half = 4.30265 * deviation / std::sqrt(3.0);
-  EXPECT_NEAR(upper_quantity(score(1, 2, half), "p95_mm"),
+  EXPECT_NEAR(upper_quantity(score(1, 2, half), "p95_mm").value,
               2 + 2.91999 * deviation * std::sqrt(4.0 / 3),
               1e-4);
-  EXPECT_EQ(upper_quantity(score(7, 2), "volume_ms"), 7);
+  EXPECT_EQ(upper_quantity(score(7, 2), "volume_ms").value, 7);
   EXPECT_TRUE(std::isinf(upper_of_next({2, std::nan(""), 1})));
 }
 
