@@ -80,15 +80,6 @@ void move(Json& report, const std::string& path) {
   report.at(from.parent_pointer()).erase(from.back());
 }
 
-/// Whether it holds times of more than the command's steps.
-bool measures_times(const Json& report) {
-  static const std::set<std::string> no_measurements = {"wall_ms", "cached", "board"};
-  const Json timing = report.value("timing", Json::object());
-  return std::any_of(timing.items().begin(), timing.items().end(), [](const auto& part) {
-    return !no_measurements.contains(part.key());
-  });
-}
-
 }  // namespace
 
 void move_to_timing(Json& report) {
@@ -96,6 +87,14 @@ void move_to_timing(Json& report) {
   const auto own = paths_by_command().find(report.at("command"));
   if (own == paths_by_command().end()) return;
   for (const std::string& path : own->second) move(report, path);
+}
+
+bool measures_times(const Json& report) {
+  static const std::set<std::string> no_measurements = {"wall_ms", "cached", "board"};
+  const Json timing = report.value("timing", Json::object());
+  return std::any_of(timing.items().begin(), timing.items().end(), [](const auto& part) {
+    return !no_measurements.contains(part.key());
+  });
 }
 
 std::string finished_report(const std::string& report,

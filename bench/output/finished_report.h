@@ -15,6 +15,9 @@ namespace wobblebench::bench {
 /// reports of two equal runs are equal. What is moved depends on the report's "command".
 void move_to_timing(nlohmann::ordered_json& report);
 
+/// Whether a report holds times of more than the command's steps, after move_to_timing().
+bool measures_times(const nlohmann::ordered_json& report);
+
 /// The text of report.json, from the text that a command made: with move_to_timing(), with the
 /// command's checks unless it has a list of its own, with its warnings and, where it holds times,
 /// with the use of the machine as "provenance.load". Warns where times were measured on a busy

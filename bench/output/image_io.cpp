@@ -64,6 +64,24 @@ std::vector<char> png(const Image<glm::vec3>& image, Values meaning) {
   return encoders().encode(raster, ".png");
 }
 
+Image<glm::vec3> read_png(const std::filesystem::path& path) {
+  std::error_code ignored;
+  if (!std::filesystem::is_regular_file(path, ignored)) return {};
+  constexpr int kMostSide = 16384;
+  const DecodedPicture decoded = encoders().decode(path, kMostSide);
+  const std::size_t channels = decoded.channels.size();
+  if (channels < 3 || !decoded.integers)
+    throw std::runtime_error(path.string() + ": is no picture");
+  Image<glm::vec3> picture(decoded.width, decoded.height);
+  for (std::size_t i = 0; i < picture.pixels.size(); ++i) {
+    for (int c = 0; c < 3; ++c) {
+      picture.pixels[i][c] =
+          static_cast<float>(decoded.values[i * channels + static_cast<std::size_t>(c)] / 255);
+    }
+  }
+  return picture;
+}
+
 void write_png(const std::filesystem::path& path, const Image<glm::vec3>& image, Values meaning) {
   std::vector<char> bytes;
   try {

@@ -1,4 +1,4 @@
-// Writing of pictures (PNG) and maps (EXR), by OpenImageIO.
+// Files of pictures (PNG) and maps (EXR), by OpenImageIO.
 #pragma once
 
 #include <filesystem>
@@ -30,6 +30,10 @@ std::vector<char> png(const Image<glm::vec3>& image, Values values = Values::dis
 void write_png(const std::filesystem::path& path,
                const Image<glm::vec3>& image,
                Values values = Values::display);
+
+/// As it is stored, in [0, 1]; empty where there is no such file. Throws std::runtime_error where
+/// it is no picture in colours of whole numbers.
+Image<glm::vec3> read_png(const std::filesystem::path& path);
 
 /// A channel of an EXR: lengths in metres, which are written in millimetres, or plain numbers.
 struct NamedMap {

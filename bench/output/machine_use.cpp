@@ -109,7 +109,10 @@ MachineSample sample_machine() {
 double MachineUse::share_of_others() const {
   const double others_s = (after.busy_s - before.busy_s) - (after.own_s - before.own_s);
   const double stolen_s = after.stolen_s - before.stolen_s;
-  return (std::max(others_s, 0.0) + stolen_s) / (after.cores * (after.time_s - before.time_s));
+  // The kernel counts in ticks, which may end within a short command without having begun in it.
+  const double share =
+      (std::max(others_s, 0.0) + stolen_s) / (after.cores * (after.time_s - before.time_s));
+  return share > 1 ? 1 : share;
 }
 
 std::string MachineUse::warning() const {

@@ -2,6 +2,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include "bench/output/finished_report.h"
+
 namespace wobblebench::bench {
 
 namespace {
@@ -13,7 +15,12 @@ std::string text_of(const Json& value) {
 }
 
 void add_warnings(const Json& report, std::vector<Block>& blocks) {
-  const Json warnings = report.value("warnings", Json::array());
+  Json warnings = report.value("warnings", Json::array());
+  // Apart in the report, as equal runs do not share it; on the page it belongs to the times.
+  const Json::json_pointer busy("/provenance/load/warning");
+  if (measures_times(report) && report.contains(busy) && report.at(busy).is_string()) {
+    warnings.push_back(report.at(busy));
+  }
   if (warnings.empty()) return;
   Table table{.name = "warnings", .columns = {{"warning", "Warnings"}}};
   for (const Json& warning : warnings) table.add({text_of(warning)});

@@ -1,6 +1,7 @@
 #include "bench/studies/accuracy/accuracy_report.h"
 
 #include <algorithm>
+#include <cmath>
 #include <iterator>
 #include <limits>
 #include <map>
@@ -269,10 +270,36 @@ std::map<std::uint64_t, double> measured_of(const AccuracyResults& results,
   return values;
 }
 
+/// The greatest P95 of the scenes, which a mean hides; nothing where one of them has none.
+Cell worst_cell(const std::map<std::uint64_t, double>& p95_mm) {
+  double worst = 0;
+  for (const auto& [seed, value] : p95_mm) {
+    if (!std::isfinite(value)) return {};
+    worst = std::max(worst, value);
+  }
+  return worst;
+}
+
+/// Summaries that are of fewer seeds or scenes than were measured, a line each; empty: there are
+/// none.
+std::string missing_text(const AccuracyResults& results) {
+  std::string lines;
+  for (const AccuracySummary& s : results.summaries) {
+    const int with =
+        s.group == "picture" ? s.means[measure_index(error::kP95.key)].n : s.render_ms.n;
+    if (with == s.render_ms.n) continue;
+    lines += "- " + s.scene + ", " + s.rung + ", " + s.setting + ": nothing is found in " +
+             std::to_string(s.render_ms.n - with) + " of " + std::to_string(s.render_ms.n) +
+             " pictures, which the means of depth leave out.\n";
+  }
+  return lines;
+}
+
 /// `reference`: a setting that is subtracted, scene by scene; empty: none.
 Table strata_table(const AccuracyResults& results, const std::string& reference) {
   Table table{.name = reference.empty() ? "strata" : "strata_differences",
               .columns = columns_of({{"stratum"}, {"rung"}, {"setting"}, {"scenes"}}, kOfStrata)};
+  if (reference.empty()) table.columns.push_back({"worst_p95_mm", "P95 of the worst scene", "mm"});
   for (const AccuracySummary& s : results.summaries) {
     if (s.group != "picture" || s.setting == reference) continue;
     std::vector<Cell> row = {s.scene, s.rung, s.setting, s.render_ms.n};
@@ -284,6 +311,8 @@ Table strata_table(const AccuracyResults& results, const std::string& reference)
       }
       row.push_back(bootstrap_cell(values));
     }
+    if (reference.empty())
+      row.push_back(worst_cell(measured_of(results, s, s.setting, error::kP95)));
     table.add(std::move(row), id_of(s));
   }
   return table;
@@ -346,6 +375,9 @@ Document accuracy_document(const AccuracyResults& results, const Provenance& pro
   Document document{
       .title = "Accuracy", .name = "accuracy", .data = {{"accuracy.csv", rows_table(results)}}};
   document.add(Text{head_text(results, provenance)});
+  if (const std::string missing = missing_text(results); !missing.empty()) {
+    document.add(Text{missing});
+  }
   add_strata(results, document);
   document.add(Heading{"Whole pictures"})
       .add(Text{

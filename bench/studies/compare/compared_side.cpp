@@ -11,7 +11,7 @@
 #include "base/text.h"
 #include "base/user_error.h"
 #include "bench/evaluation/measures/picture_measures.h"
-#include "bench/output/encoders.h"
+#include "bench/output/image_io.h"
 #include "bench/scene/reported_run.h"
 #include "bench/studies/compare/child_program.h"
 
@@ -38,19 +38,7 @@ std::string read_if_there(const fs::path& file) {
 
 /// The pictures of these files, which may be missing.
 KeptPictures pictures_of(const fs::path& surface, const fs::path& error) {
-  KeptPictures pictures{read_if_there(surface), read_if_there(error)};
-  if (pictures.surface.empty()) return pictures;
-  constexpr int kMostSide = 16384;
-  constexpr double kWhite = 255;
-  const DecodedPicture png = encoders().decode(surface, kMostSide);
-  constexpr int kLeastSide = 11;  // of compare_images()
-  if (png.channels.size() < 3 || std::min(png.width, png.height) < kLeastSide) return pictures;
-  pictures.shown = Image<glm::vec3>(png.width, png.height);
-  for (std::size_t i = 0; i < pictures.shown.pixels.size(); ++i) {
-    const double* const values = &png.values[i * png.channels.size()];
-    pictures.shown.pixels[i] = glm::vec3(values[0], values[1], values[2]) / float(kWhite);
-  }
-  return pictures;
+  return {read_if_there(surface), read_if_there(error), read_png(surface)};
 }
 
 /// The scene's name in the names of its pictures: what keeps the artefacts of continuous
@@ -219,7 +207,9 @@ void add_likeness(MeasuredSide& base,
     }
   };
   const Image<glm::vec3>&a = of_base.shown, &b = of_now.shown;
-  const bool both = !a.pixels.empty() && !b.pixels.empty();
+  constexpr int kLeastSide = 11;  // of compare_images()
+  const auto is_large = [](const auto& of) { return std::min(of.width, of.height) >= kLeastSide; };
+  const bool both = is_large(a) && is_large(b);
   const bool alike = both && a.width == b.width && a.height == b.height;
   set(base, both ? std::optional(1.0) : std::nullopt);
   set(now, alike ? std::optional(compare_images(a, b).ssim) : std::nullopt);

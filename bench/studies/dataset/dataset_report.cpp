@@ -7,7 +7,6 @@
 
 #include "base/file.h"
 #include "base/statistics.h"
-#include "bench/output/encoders.h"
 #include "bench/output/image_io.h"
 #include "bench/output/picture/canvas.h"
 #include "bench/output/report_parts.h"
@@ -68,14 +67,32 @@ Cell spread_cell(const std::vector<const SceneFigures*>& scenes, std::size_t fig
   return Cell::spread(quartiles.median, quartiles.lower, quartiles.upper);
 }
 
+/// The scene of the greatest value, or of none; null: no scenes.
+const SceneFigures* worst_of(const std::vector<const SceneFigures*>& scenes, std::size_t figure) {
+  const SceneFigures* worst = nullptr;
+  for (const SceneFigures* one : scenes) {
+    const double value = one->values[figure];
+    if (!std::isfinite(value)) return one;
+    if (worst == nullptr || value > worst->values[figure]) worst = one;
+  }
+  return worst;
+}
+
+constexpr std::size_t kP95Shown = 1;  ///< in shown_figures()
+
 Table strata_table(const PopulationPlan& plan, const std::vector<SceneFigures>& figures) {
   Table table{.name = "strata",
-              .caption = "Median over the scenes (quartiles).",
+              .caption = "Median over the scenes (quartiles), and the scene of the greatest P95.",
               .columns = columns_of({{"stratum"}, {"scenes"}, {"refused"}}, shown_figures())};
+  table.columns.push_back({"worst_p95_mm", "worst P95", "mm"});
+  table.columns.push_back({"worst_scene", "of scene"});
   for (std::size_t i = 0; i < plan.strata.size(); ++i) {
     const auto scenes = measured_of(figures, i);
     std::vector<Cell> row = {plan.strata[i].name, plan.strata[i].scenes, refused_of(figures, i)};
     for (std::size_t j = 0; j < shown_figures().size(); ++j) row.push_back(spread_cell(scenes, j));
+    const SceneFigures* const worst = worst_of(scenes, kP95Shown);
+    row.push_back(worst == nullptr ? Cell() : worst->values[kP95Shown]);
+    row.push_back(worst == nullptr ? Cell() : worst->index);
     table.add(std::move(row));
   }
   return table;
@@ -89,25 +106,6 @@ Table refusal_table(const PopulationPlan& plan, const std::vector<SceneFigures>&
     table.add({one.index, plan.strata[one.stratum].name, one.refusal});
   }
   return table;
-}
-
-/// A picture of a scene's folder; empty: it has none.
-Image<glm::vec3> picture_of(const fs::path& file) {
-  std::error_code ignored;
-  if (!fs::is_regular_file(file, ignored)) return {};
-  constexpr int kMostSide = 16384;
-  const DecodedPicture decoded = encoders().decode(file, kMostSide);
-  const std::size_t channels = decoded.channels.size();
-  if (channels < 3 || !decoded.integers)
-    throw std::runtime_error(file.string() + ": is no picture");
-  Image<glm::vec3> picture(decoded.width, decoded.height);
-  for (std::size_t i = 0; i < picture.pixels.size(); ++i) {
-    for (int c = 0; c < 3; ++c) {
-      picture.pixels[i][c] =
-          static_cast<float>(decoded.values[i * channels + static_cast<std::size_t>(c)] / 255);
-    }
-  }
-  return picture;
 }
 
 /// A scene of the contact sheet.
@@ -129,10 +127,8 @@ std::vector<std::vector<ShownScene>> shown_scenes(const PopulationPlan& plan,
     auto& row = rows[one.stratum];
     if (row.size() == across) continue;
     const fs::path of = folder.scene(one.index);
-    row.push_back({&one,
-                   of.filename().string(),
-                   picture_of(of / "truth.png"),
-                   picture_of(of / "surface.png")});
+    row.push_back(
+        {&one, of.filename().string(), read_png(of / "truth.png"), read_png(of / "surface.png")});
   }
   return rows;
 }
@@ -275,9 +271,9 @@ Document dataset_document(const PopulationPlan& plan,
   const auto rows = shown_scenes(plan, folder, figures);
   write_png(out.stage(kSheet), contact_sheet(plan, rows));
   Document document{.title = "Data set", .name = "dataset"};
-  document.add(Text{head_text(plan, figures)})
+  document.add(Picture{kSheet, "The first scenes of each stratum: the truth, and what was found."})
       .add(strata_table(plan, figures))
-      .add(Picture{kSheet, "The first scenes of each stratum: the truth, and what was found."});
+      .add(Text{head_text(plan, figures)});
   add_shown(plan, folder, rows, out, document);
   Table refused = refusal_table(plan, figures);
   if (!refused.rows.empty()) document.add(Heading{"Refused"}).add(std::move(refused));

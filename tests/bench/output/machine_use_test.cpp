@@ -55,6 +55,14 @@ TEST(MachineUse, AnIdleMachineIsNotWarnedOf) {
   EXPECT_NE(warning(40, 20, 10), "");
 }
 
+/// Ticks that end within a short command: more than all of the time cannot have gone to others.
+TEST(MachineUse, OthersHaveAllOfTheTimeAtMost) {
+  MachineUse use;
+  use.after.time_s = 0.01;
+  use.after.busy_s = 0.03;
+  EXPECT_EQ(use.share_of_others(), 1);
+}
+
 TEST(MachineUse, ThisMachineHasOne) {
   const MachineSample before = sample_machine();
   double sum = 0;
