@@ -13,6 +13,7 @@
 #include "bench/scene/scene.h"
 #include "bench/studies/compare/compare_document.h"
 #include "bench/studies/compare/compared_side.h"
+#include "bench/studies/compare/history.h"
 
 namespace wobblebench::bench {
 
@@ -25,7 +26,7 @@ struct Arguments {
   fs::path base;
   std::string now;  ///< `now`: empty: the base is measured, for later
   std::vector<std::string> scenes, settings, base_settings, new_settings;
-  fs::path limits;
+  fs::path limits, history;
   int seeds = 0;  ///< 0: those of a kept base, else kSeeds
 };
 
@@ -125,7 +126,9 @@ void refuse_alone(const Arguments& arguments, const ComparedSide& base) {
   if (!base.program) throw UserError("NEW: is missing; BASE has figures that were kept");
   if (!arguments.new_settings.empty())
     throw UserError("--new-set: without effect: there is no NEW");
-  if (!arguments.limits.empty()) throw UserError("--limits: without effect: there is no NEW");
+  if (!arguments.limits.empty() && arguments.history.empty()) {
+    throw UserError("--limits: without effect: there is no NEW");
+  }
 }
 
 /// Before any run: reads each scene as this program will. Another program may have other options.
@@ -150,6 +153,10 @@ Measurement planned(const Arguments& arguments) {
     refuse_alone(arguments, base);
     all.now = std::move(base);
     return all;
+  }
+  if (!arguments.history.empty()) {
+    throw UserError("--history: acts without NEW: " + arguments.base.string() +
+                    " is measured and held against the commits before it");
   }
   all.base = std::move(base);
   all.now = parse_side("new", arguments.now, arguments.settings, arguments.new_settings);
@@ -245,11 +252,25 @@ std::string failure_of(const ComparisonResult& result) {
   return none ? "nothing was compared: " + result.verdicts.front().why : lines;
 }
 
+/// Adds the newest figures to the folder, and what they are beside the others to the page.
+void keep_record(const fs::path& folder,
+                 const std::vector<HistoryRecord>& history,
+                 const ComparisonResult& result,
+                 Document& document) {
+  document.add(Heading{"History"});
+  for (Figure& figure : history_figures(before(history, result.now), result.now, result.limits)) {
+    document.add(std::move(figure));
+  }
+  write_record(folder, {utc_now(), result.now});
+}
+
 int compare(const Arguments& arguments) {
   const std::vector<ChangeLimit> limits =
       arguments.limits.empty() ? default_change_limits() : read_change_limits(arguments.limits);
   Measurement all = planned(arguments);
   refuse_wrong_settings(all);
+  const std::vector<HistoryRecord> history =
+      arguments.history.empty() ? std::vector<HistoryRecord>() : read_history(arguments.history);
 
   const auto work = [&](OutputFolder& out, Progress& progress) {
     const auto judge = [&](const char* step) {
@@ -257,7 +278,9 @@ int compare(const Arguments& arguments) {
         progress.step(step, [&](const PartDone& done) { measure_all(all, arguments.seeds, done); });
       }
       take_pictures(all, arguments.seeds);
-      const bool alone = arguments.now.empty();
+      const std::vector<HistoryRecord> earlier = before(history, all.now.measured);
+      if (!earlier.empty()) all.base.measured = median_side(earlier, all.now.measured);
+      const bool alone = arguments.now.empty() && all.base.measured.runs.empty();
       return alone ? std::vector<Verdict>() : verdicts(all.base.measured, all.now.measured, limits);
     };
     ComparisonResult result{.limits = limits, .verdicts = judge("measure")};
@@ -269,13 +292,21 @@ int compare(const Arguments& arguments) {
     result.base = all.base.measured;
     result.now = all.now.measured;
     const std::string failure = failure_of(result);
+    Document document = compare_document(result);
+    if (!arguments.history.empty()) keep_record(arguments.history, history, result, document);
+    if (!history.empty() && result.base.runs.empty()) {
+      progress.warn("--history = " + arguments.history.string() + ": of its " +
+                    std::to_string(history.size()) +
+                    " records none is of another commit with the same scenes, seeds and settings: "
+                    "nothing was judged");
+    }
     return CommandResult{.report = report_of(result, progress.times()),
                          .summary = verdict_lines(result) + verdict_line(result) +
                                     "\nresults     " + out.directory().string() + "\n",
                          .exit_code = failure.empty() ? kDone : kFailed,
                          .failure = failure,
                          .checks = test_cases(result),
-                         .document = compare_document(result)};
+                         .document = std::move(document)};
   };
   return run_in_folder(arguments.output, {{"measure", 60}, {"measure again", 0}}, work);
 }
@@ -307,6 +338,11 @@ Command add_compare_command(CLI::App& app) {
            "--limits",
            arguments->limits,
            "What may change (TOML); default: the limits of docs/scenes/compare.toml");
+  add_path(command,
+           "--history",
+           arguments->history,
+           "Folder with a record of each commit, to which BASE is added; it is held against the "
+           "median of the earlier ones");
   add_output_options(command, arguments->output);
   add_junit_option(command, arguments->output);
   return {&command, [arguments] { return compare(*arguments); }};

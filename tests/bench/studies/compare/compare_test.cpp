@@ -8,8 +8,10 @@
 #include "base/file.h"
 #include "base/user_error.h"
 #include "bench/studies/compare/compare_document.h"
+#include "bench/studies/compare/history.h"
 #include "bench/studies/compare/verdicts.h"
 #include "tests/bench/cli/program_under_test.h"
+#include "tests/support/process.h"
 
 namespace wobblebench::bench {
 namespace {
@@ -187,6 +189,49 @@ TEST(Compare, FiguresSurviveBeingKept) {
   EXPECT_THROW((void)kept_side(report, "folder"), UserError);
 }
 
+/// A commit whose P95 is this for both seeds of one scene.
+HistoryRecord record_of(const std::string& commit, double p95_mm, const std::string& steps = "64") {
+  HistoryRecord record{"2026-01-0" + commit, side_of("p95_mm", {p95_mm, p95_mm})};
+  record.side.commit = commit;
+  record.side.settings[record.side.runs.front().scene]["render.ray_casting.steps"] = steps;
+  return record;
+}
+
+TEST(Compare, HistoryHoldsTheNewestAgainstTheMedianOfWhatWasMeasuredAlike) {
+  const MeasuredSide now = record_of("4", 1.25).side;
+  const std::vector<HistoryRecord> history = {record_of("1", 0.9),
+                                              record_of("2", 1.0),
+                                              record_of("3", 1.1),
+                                              record_of("5", 9.0, "32"),
+                                              record_of("4", 9.0)};
+  const MeasuredSide base = median_side(before(history, now), now);
+  EXPECT_TRUE(base.kept);
+  EXPECT_EQ(base.what, "median of 3 earlier commits");
+  ASSERT_EQ(base.runs.size(), 2U);
+  EXPECT_DOUBLE_EQ(base.runs.front().figures.at("p95_mm"), 1.0);
+  const std::vector<ChangeLimit> limits = {{"p95_mm", Allowed::worse_by, 0.2}};
+  EXPECT_EQ(verdicts(base, now, limits).front().outcome, Outcome::broken);
+  const std::vector<Figure> figures = history_figures(before(history, now), now, limits);
+  ASSERT_EQ(figures.size(), 1U);
+  const auto& chart = std::get<Chart>(figures.front().panels.at(0));
+  EXPECT_EQ(chart.x.names, (std::vector<std::string>{"1", "2", "3", "4"}));
+  EXPECT_EQ(chart.series.at(1).y, (std::vector<double>{1.2, 1.2}));
+}
+
+TEST(Compare, HistorySurvivesBeingWritten) {
+  const ScratchFolder folder;
+  EXPECT_TRUE(read_history(folder.path() / "none").empty());
+  for (const auto& record : {record_of("2", 1.0), record_of("1", 1.5), record_of("2", 2, "32")}) {
+    write_record(folder.path() / "kept", record);
+  }
+  const std::vector<HistoryRecord> read = read_history(folder.path() / "kept");
+  ASSERT_EQ(read.size(), 3U);
+  EXPECT_EQ(read.front().side.commit, "1");
+  EXPECT_EQ(read.front().side.runs[1].figures.at("p95_mm"), 1.5);
+  std::ofstream(folder.path() / "kept/other.json") << "{}";
+  EXPECT_THROW((void)read_history(folder.path() / "kept"), UserError);
+}
+
 // ---- the command, on a small scene
 
 const char* const kScene =
@@ -289,6 +334,8 @@ TEST_F(CompareCommand, BadSidesAreRefused) {
            {{"this", "this", "--new-set", "render.smoothing.filter_size=4"}, "filter_size"},
            {{"this", "--limits", "x.toml"}, "x.toml: no such file"},
            {{"this", "--new-set", "a=b"}, "there is no NEW"},
+           {{"this", "this", "--history", "kept"}, "--history: acts without NEW"},
+           {{"this", "--history", "ball.toml"}, "--history = ball.toml: is no folder"},
            {{"this", "--scene", "a?.toml", "--scene", "a*.toml"}, "scene is called a?, too"}}) {
     auto line = words;
     line.insert(line.end(), {"--scene", "ball.toml"});
