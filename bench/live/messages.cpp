@@ -15,6 +15,7 @@
 #include "bench/output/image_io.h"
 #include "bench/output/picture/error_picture.h"
 #include "bench/output/picture/scan_plane.h"
+#include "bench/results/counts.h"
 
 namespace wobblebench::bench {
 
@@ -273,8 +274,7 @@ LiveMessage times_message(const ShownPicture& shown,
                      {"passes", std::move(passes)},
                      {"waiting_volumes", shown.waiting_volumes},
                      {"superseded_volumes", shown.superseded},
-                     {"sticks", account.emitted},
-                     {"lost", account.lost.total()},
+                     {"board", to_json(described(account))},
                      {"damaged_bytes", damage.bytes_skipped}};
   return {std::make_shared<const std::string>(json.dump()), true};
 }

@@ -2,10 +2,12 @@
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
+#include <set>
 #include <utility>
 
 #include "base/user_error.h"
 #include "bench/live/controls.h"
+#include "bench/scene/idle_options.h"
 #include "hw/link/fault_link.h"
 
 namespace wobblebench::bench {
@@ -254,6 +256,28 @@ void LivePanel::end_stage(const LiveOrders& known,
   note_change();
 }
 
+namespace {
+
+/// What each setting that is without effect in the scene would act with, by its key.
+nlohmann::ordered_json idle_json(const Scene& scene,
+                                 const nlohmann::ordered_json& values,
+                                 SampleSource source) {
+  std::set<std::string> keys;
+  const nlohmann::ordered_json flat = values.flatten();
+  for (const auto& [pointer, value] : flat.items()) {
+    std::string key = pointer.substr(1);
+    std::ranges::replace(key, '/', '.');
+    keys.insert(key);
+  }
+  nlohmann::ordered_json idle = nlohmann::ordered_json::object();
+  for (const IdleOption& option : idle_options(scene, keys, source)) {
+    idle[option.key] = option.acts_with;
+  }
+  return idle;
+}
+
+}  // namespace
+
 std::shared_ptr<const LiveState> LivePanel::state() const {
   const std::lock_guard lock(mutex_);
   return state_;
@@ -269,7 +293,15 @@ nlohmann::ordered_json LivePanel::status() const {
                                  {"settings", page_settings_}};
   // What the scene leaves open is known once its stream is there.
   if (start_) json["start"] = resolved(*start_);
-  json["values"] = resolved(state_ && !is_scan_wanted_ ? state_->scene.options() : given_);
+  const bool is_known = state_ && !is_scan_wanted_;
+  const Scene& scene = is_known ? state_->scene.options() : given_;
+  json["values"] = resolved(scene);
+  const bool has_subject = is_known && state_->scene.subject().has_value();
+  json["idle"] = idle_json(scene,
+                           json["values"],
+                           with_scan() ? SampleSource::simulator
+                           : has_subject ? SampleSource::recording_of_scene
+                                         : SampleSource::unknown_subject);
   return json;
 }
 

@@ -119,6 +119,15 @@ test('a rehearsal is replayed with the faults that it draws', async () => {
   }
 });
 
+test('a setting that cannot act says with what it would', () => withLive(async (page) => {
+  const eye = page.locator('[data-key="render.view.eye_distance_mm"]');
+  await eye.filter({hasText: 'Without effect here: acts with render.view.projection = perspective'}).waitFor();
+  assert.ok(await eye.evaluate((element) => element.classList.contains('idle')));
+  await set(page, ['render.view.projection="perspective"']);
+  await page.locator('[data-key="render.view.eye_distance_mm"]:not(.idle)').waitFor();
+  await page.locator('.brief').filter({hasText: /Newest echo \d+ ms old, oldest \d+ ms; sticks lost: \d+/}).waitFor();
+}));
+
 test('probe and phantom are drawn in space, while that is open', () => withLive(async (page) => {
   const space = page.locator('.space');
   await page.getByText('Probe and phantom in space').click();

@@ -42,11 +42,12 @@ class Control {
     const {name, unit} = nameAndUnit(shape.key);
     const id = this.key.replaceAll('.', '-');
     this.problem = make('p', {class: 'problem', role: 'alert', hidden: true});
+    this.note = make('p', {class: 'note', hidden: true});
     this.back = make('button', {type: 'button', class: 'reset', hidden: true, title: 'Back to the value at the start',
       'aria-label': `Reset ${name}`, onclick: () => reset(this.key)}, '↺');
     this.label = make('label', {for: id}, name);
     this.element = make('div', {class: `control of-${shape.kind}`, 'data-key': this.key, title: this.range(unit)},
-      this.label, ...this.inputs(id, name), make('span', {class: 'unit'}, unit), this.back, this.problem);
+      this.label, ...this.inputs(id, name), make('span', {class: 'unit'}, unit), this.back, this.note, this.problem);
   }
 
   range(unit) {
@@ -104,6 +105,13 @@ class Control {
     else this.input.value = Array.isArray(value) ? value.join(', ') : value;
   }
 
+  /** Whether it acts in this scene, or with what it would. */
+  showIdle(actsWith) {
+    this.element.classList.toggle('idle', Boolean(actsWith));
+    this.note.textContent = actsWith ? `Without effect here: acts with ${actsWith}` : '';
+    this.note.hidden = !actsWith;
+  }
+
   showSlider(value, start) {
     if (document.activeElement === this.slider) return;
     const [low, high] = sliderEnds(this.shape, start);
@@ -140,9 +148,10 @@ class Controls {
     }
   }
 
-  show({values, start}) {
+  show({values, start, idle}) {
     for (const control of this.controls) {
       const {section, shape} = control;
+      control.showIdle(idle[control.key]);
       control.show(valueOf(values, section, shape.key), valueOf(start, section, shape.key));
     }
   }

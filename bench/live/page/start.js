@@ -53,7 +53,7 @@ class Page {
     this.element('source').textContent = `${hello.scene || 'default scene'} · --board ${hello.board} · ${hello.renderer}`;
     const transport = this.transport();
     this.saveButton.after(this.compared.button);
-    this.element('view').replaceChildren(transport, this.warnings, this.picture.element, this.past.element,
+    this.element('view').replaceChildren(transport, this.warnings, this.times.brief, this.picture.element, this.past.element,
       this.faults(hello.faults), this.planes.element, this.space.element, this.times.element);
     this.element('panel').replaceChildren(...this.controls.elements);
     document.body.append(statusLine);

@@ -40,11 +40,14 @@ class Times {
     this.passes = make('p', {class: 'passes'});
     this.limit = make('p', {class: 'limit'});
     this.account = make('p', {class: 'account'});
+    this.brief = make('p', {class: 'brief'});  // beside the picture, which the lines are below
     this.element = make('section', {class: 'times', 'aria-label': 'Times'},
       this.limit, ...Object.values(this.lines).map(({element}) => element), this.passes, this.account);
   }
 
   take(times) {
+    const lost = Object.entries(times.board).filter(([name, count]) => name.startsWith('lost_') && count > 0);
+    Object.assign(times, {sticks: times.board.emitted, causes: lost, lost: lost.reduce((sum, [, count]) => sum + count, 0)});
     const busy_ms = Object.values(times.passes).reduce((sum, ms) => sum + ms, 0);
     // A new stream counts from 0.
     const before = this.last && this.last.sticks < times.sticks ? this.last : null;
@@ -63,7 +66,10 @@ class Times {
     const waits = times.waited_ms > busy_ms / 20;
     this.limit.textContent = `${waits ? 'The sound is the limit' : 'The renderer is the limit'}: one volume takes `
       + `${times.sound_ms.toFixed(0)} ms to fire and ${busy_ms.toFixed(0)} ms to render.`;
-    const lost = Object.entries(times.lost).filter(([, count]) => count > 0).map(([cause, count]) => `${count} ${cause.replaceAll('_', ' ')}`);
+    const lost = times.causes.map(([name, count]) => `${count} ${name.slice('lost_'.length).replaceAll('_', ' ')}`);
+    const age = (ms) => `${ms.toFixed(0)} ms`;
+    this.brief.textContent = `Newest echo ${age(times.age_newest_ms)} old, oldest ${age(times.age_oldest_ms)}; `
+      + `sticks lost: ${times.lost}; volumes waiting: ${times.waiting_volumes}`;
     this.account.textContent = `This stream: volume ${times.volume}, ${times.sticks} sticks, `
       + `${lost.length ? `lost ${lost.join(', ')}` : 'none lost'}; ${times.superseded_volumes} volumes superseded, `
       + `${times.waiting_volumes} in the queue.`;

@@ -33,6 +33,14 @@ TEST_F(Live, ASceneFileThatIsEditedMeanwhileDoesNotChangeTheScan) {
   EXPECT_DOUBLE_EQ(panel.state()->scene.plan().acquisition().depth_m, 0.15);
 }
 
+TEST_F(Live, StatusSaysWhichSettingsCannotAct) {
+  Panel panel("");
+  EXPECT_EQ(panel.status()["idle"]["render.view.eye_distance_mm"],
+            "render.view.projection = perspective");
+  panel.set({"render.view.projection=perspective"});
+  EXPECT_FALSE(panel.status()["idle"].contains("render.view.eye_distance_mm"));
+}
+
 TEST_F(Live, WhatIsSetWhileAScanIsRefusedStays) {
   Panel panel("");
   panel.set({"render.view.pitch_deg=10"});
