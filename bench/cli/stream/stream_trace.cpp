@@ -1,9 +1,11 @@
 #include <algorithm>
 #include <chrono>
+#include <deque>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <vector>
 
+#include "bench/cli/stream/stream_page.h"
 #include "bench/cli/stream/stream_report.h"
 
 namespace wobblebench::bench {
@@ -60,6 +62,13 @@ class Trace {
                        {"name", span_name(span)},
                        {"ts", microseconds(span.begin)},
                        {"dur", microseconds(span.end) - microseconds(span.begin)}});
+  }
+  void add_counter(const char* name, hw::HostTime at, double value) {
+    events_.push_back({{"ph", "C"},
+                       {"pid", kProcess},
+                       {"name", name},
+                       {"ts", microseconds(at)},
+                       {"args", {{"value", value}}}});
   }
   /// An arrow from span to span, each of which it binds to by a time inside it.
   void add_arrow(const char* name, const std::vector<const StreamSpan*>& spans) {
@@ -127,6 +136,37 @@ class SpansByKind {
   std::vector<const StreamSpan*> pictures_;
 };
 
+/// How many frames wait for the renderer, after each that comes and each that it takes. Those of a
+/// volume that a later one has overtaken wait no more.
+void add_queue(const std::vector<StreamSpan>& spans, Trace& trace) {
+  std::multimap<hw::HostTime, const StreamSpan*> events;
+  for (const StreamSpan& span : spans) {
+    if (span.kind == Kind::frame_acquired) events.emplace(span.end, &span);
+    if (span.kind == Kind::frame_uploaded) events.emplace(span.begin, &span);
+  }
+  std::map<std::uint32_t, int> waiting;
+  for (const auto& [at, span] : events) {
+    waiting[span->volume] += span->kind == Kind::frame_acquired ? 1 : -1;
+    if (span->kind == Kind::frame_uploaded) {
+      waiting.erase(waiting.begin(), waiting.lower_bound(span->volume));
+    }
+    int frames = 0;
+    for (const auto& [volume, count] : waiting) frames += count;
+    trace.add_counter("frames in the queue", at, frames);
+  }
+}
+
+/// Of each picture when it was ready.
+void add_ages(const std::deque<PictureTimes>& pictures, Trace& trace) {
+  for (const PictureTimes& picture : pictures) {
+    const auto age = [&](const StickTimes& of) {
+      return age_ms(of, picture, of.fired.has_value());
+    };
+    trace.add_counter("age of the newest echo, ms", picture.ready, age(picture.last));
+    trace.add_counter("age of the oldest echo, ms", picture.ready, age(picture.first));
+  }
+}
+
 }  // namespace
 
 std::string stream_trace(const StreamResult& result) {
@@ -152,6 +192,8 @@ std::string stream_trace(const StreamResult& result) {
       if (picture != nullptr) trace.add_arrow("written", {picture, &span});
     }
   }
+  add_queue(spans, trace);
+  add_ages(result.records, trace);
   return trace.text();
 }
 

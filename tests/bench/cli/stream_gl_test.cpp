@@ -108,6 +108,16 @@ TEST_F(StreamCommand, TheTraceIsOneThatPerfettoOpens) {
     }
   }
   const int frames = json_of("out/report.json")["scene"]["acquisition"]["frames_per_volume"];
+  std::map<std::string, std::vector<double>> counters;
+  for (const Json& event : events) {
+    if (event["ph"] == "C") counters[event["name"]].push_back(event["args"]["value"]);
+  }
+  const std::vector<double>& queue = counters.at("frames in the queue");
+  ASSERT_EQ(queue.size(), 2u * 5 * frames) << "each frame comes and is taken";
+  EXPECT_EQ(queue.back(), 0);
+  EXPECT_GE(std::ranges::min(queue), 0);
+  EXPECT_EQ(counters.at("age of the newest echo, ms").size(), 5u);
+  EXPECT_GT(std::ranges::min(counters.at("age of the oldest echo, ms")), 0);
   int from_sticks = 0, from_pictures = 0;
   for (const auto& [id, ends] : arrows_of(events, tracks)) {
     EXPECT_EQ(ends.front().phase + ends.back().phase, "sf") << id;
