@@ -343,6 +343,7 @@ Command add_compare_command(CLI::App& app) {
            arguments->history,
            "Folder with a record of each commit, to which BASE is added; it is held against the "
            "median of the earlier ones");
+  command.get_option("--history")->type_name("FOLDER");
   add_output_options(command, arguments->output);
   add_junit_option(command, arguments->output);
   return {&command, [arguments] { return compare(*arguments); }};
