@@ -1,4 +1,5 @@
 // Two programs, settings or kept figures on the same scenes and seeds, judged by limits.
+#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <filesystem>
 #include <memory>
