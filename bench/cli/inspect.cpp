@@ -76,7 +76,7 @@ Json subject_json(const hw::SubjectHash& subject) {
       {"phantom", subject.phantom}, {"placement", subject.placement}, {"motion", subject.motion}};
 }
 
-Json acquisitions_json(const hw::RecordingContents& contents) {
+Json acquisitions_json(const hw::RecordingContents& contents, bool knows_times) {
   Json acquisitions = Json::array();
   for (const hw::RecordedAcquisition& one : contents.acquisitions) {
     acquisitions.push_back(
@@ -85,7 +85,7 @@ Json acquisitions_json(const hw::RecordingContents& contents) {
          {"first_volume", one.volume},
          {"volumes", one.volumes},
          {"delivered", one.sticks},
-         {"acquisition", acquisition_json(one.configuration.plan)},
+         {"acquisition", acquisition_json(one.configuration.plan, knows_times)},
          {"motor_angles", motor_json(one.motor)},
          {"depth_mm", one.configuration.plan.acquisition().depth_m / kMillimetre},
          {"samples_from", hw::to_string(one.configuration.source)},
@@ -95,7 +95,9 @@ Json acquisitions_json(const hw::RecordingContents& contents) {
   return acquisitions;
 }
 
-Json recording_json(const std::filesystem::path& path, const hw::RecordingContents& contents) {
+Json recording_json(const std::filesystem::path& path,
+                    const hw::RecordingContents& contents,
+                    bool knows_times) {
   Json places = Json::array(), gaps = Json::array(), volumes = Json::array();
   Json jumps = Json::array();
   for (const auto& place : contents.damaged_regions) {
@@ -125,7 +127,7 @@ Json recording_json(const std::filesystem::path& path, const hw::RecordingConten
             {"stick", contents.sticks},
             {"volume_end", contents.volume_ends},
             {"unknown", contents.other_packets}}},
-          {"acquisitions", acquisitions_json(contents)},
+          {"acquisitions", acquisitions_json(contents, knows_times)},
           {"acquisition_count", contents.acquisition_count},
           {"before_configuration", contents.unconfigured},
           {"contradictions", contents.contradictions},
@@ -137,23 +139,26 @@ Json recording_json(const std::filesystem::path& path, const hw::RecordingConten
           {"time_jump_count", contents.time_jump_count}};
 }
 
-void write_plan(std::ostream& text, const hw::RecordedAcquisition& of) {
+void write_plan(std::ostream& text, const hw::RecordedAcquisition& of, bool knows_times) {
   const hw::Configuration& configuration = of.configuration;
   const auto& plan = configuration.plan.acquisition();
   text << "plan        " << plan.frames_per_volume << " frames of " << plan.sticks_per_frame
        << " sticks of " << plan.samples_per_stick << " samples, depth "
        << plan.depth_m / kMillimetre << " mm, "
-       << significant(1 / configuration.plan.stick_period_s(), 4) << " lines/s; samples "
-       << hw::to_string(configuration.source) << "\nscale       "
+       << (knows_times ? significant(1 / configuration.plan.stick_period_s(), 4) + " lines/s"
+                       : "times not known")
+       << "; samples " << hw::to_string(configuration.source) << "\nscale       "
        << display_scale_text(configuration.display_scale) << "\n";
   const std::string motor = motor_text(of.motor, configuration.plan);
   if (!motor.empty()) text << "motor       " << motor << "\n";
 }
 
 /// One, as almost always, without its number.
-void write_acquisitions(std::ostream& text, const hw::RecordingContents& contents) {
+void write_acquisitions(std::ostream& text,
+                        const hw::RecordingContents& contents,
+                        bool knows_times) {
   const auto& acquisitions = contents.acquisitions;
-  if (contents.acquisition_count == 1) return write_plan(text, acquisitions.front());
+  if (contents.acquisition_count == 1) return write_plan(text, acquisitions.front(), knows_times);
   if (acquisitions.empty()) return;
   text << "acquisitions " << contents.acquisition_count
        << ", one after the other; --board file=RECORDING,acquisition=N takes one\n";
@@ -162,7 +167,7 @@ void write_acquisitions(std::ostream& text, const hw::RecordingContents& content
     text << "acquisition " << i + 1 << ", from byte " << one.offset << ": "
          << count(one.volumes, "volume") << " from volume " << one.volume << " on, "
          << count(one.sticks, "stick") << "\n";
-    write_plan(text, one);
+    write_plan(text, one, knows_times);
   }
 }
 
@@ -219,18 +224,19 @@ void write_faults(std::ostream& text, const hw::RecordingContents& contents) {
 
 /// The text of report.json.
 std::string inspection_report(const std::filesystem::path& path,
-                              const hw::RecordingContents& contents) {
+                              const hw::RecordingContents& contents,
+                              bool knows_times) {
   Provenance provenance = provenance_of_this_machine();
   provenance.board = "recording";
   Json report = {{"schema", kReportSchema},
                  {"command", "inspect"},
                  {"provenance", to_json(provenance)},
                  {"board", account_json(contents.account)},
-                 {"recording", recording_json(path, contents)},
+                 {"recording", recording_json(path, contents, knows_times)},
                  {"checks", to_json(checks_of(contents))},
                  {"warnings", Json::array()}};
   if (const auto& configuration = contents.configuration) {
-    report["acquisition"] = acquisition_json(configuration->plan);
+    report["acquisition"] = acquisition_json(configuration->plan, knows_times);
     report["acquisition"]["motor_angles"] = motor_json(contents.acquisitions.front().motor);
     report["board"]["samples_from"] = hw::to_string(configuration->source);
     report["recording"]["subject"] = subject_json(configuration->subject);
@@ -241,11 +247,12 @@ std::string inspection_report(const std::filesystem::path& path,
 
 /// A few lines for a terminal.
 std::string inspection_summary(const std::filesystem::path& path,
-                               const hw::RecordingContents& contents) {
+                               const hw::RecordingContents& contents,
+                               bool knows_times) {
   std::ostringstream text;
   text << "file        " << path.string() << ", " << std::setprecision(4)
        << static_cast<double>(contents.bytes) / 1e6 << " MB\n";
-  write_acquisitions(text, contents);
+  write_acquisitions(text, contents, knows_times);
   text << "packets     " << contents.configurations << " configurations, " << contents.sticks
        << " sticks, " << contents.volume_ends << " volume ends\n";
   write_volumes(text, contents);
@@ -290,8 +297,9 @@ int inspect_foreign(const InspectArguments& arguments) {
   const ForeignScan scan = open_foreign_scan(arguments.recording, arguments.geometry);
   const FileDescriptor file = recorded(scan);
   const auto contents = hw::inspect_recording(descriptor_path(file));
-  std::cout << (arguments.json ? inspection_report(arguments.recording, contents)
-                               : inspection_summary(arguments.recording, contents) + scan.summary);
+  std::cout << (arguments.json
+                    ? inspection_report(arguments.recording, contents, false)
+                    : inspection_summary(arguments.recording, contents, false) + scan.summary);
   return kDone;
 }
 
@@ -306,8 +314,8 @@ int inspect(const InspectArguments& arguments) {
   try {
     const auto contents = hw::inspect_recording(arguments.recording);
     if (!arguments.salvage.empty()) salvage(arguments.recording, arguments.salvage);
-    std::cout << (arguments.json ? inspection_report(arguments.recording, contents)
-                                 : inspection_summary(arguments.recording, contents));
+    std::cout << (arguments.json ? inspection_report(arguments.recording, contents, true)
+                                 : inspection_summary(arguments.recording, contents, true));
     return contents.damaged() ? 1 : 0;
   } catch (const hw::LinkOpenError& error) {
     throw UserError(error.what());

@@ -36,10 +36,11 @@ nlohmann::ordered_json number(double value) {
   return std::isfinite(value) ? nlohmann::ordered_json(value) : nlohmann::ordered_json(nullptr);
 }
 
-nlohmann::ordered_json acquisition_json(const hw::AcquisitionPlan& plan) {
+nlohmann::ordered_json acquisition_json(const hw::AcquisitionPlan& plan, bool knows_times) {
   const auto& acquisition = plan.acquisition();
-  return {{"line_rate_hz", 1 / plan.stick_period_s()},
-          {"volume_time_ms", to_milliseconds(plan.volume_duration())},
+  const auto known = [&](double value) { return knows_times ? number(value) : nullptr; };
+  return {{"line_rate_hz", known(1 / plan.stick_period_s())},
+          {"volume_time_ms", known(to_milliseconds(plan.volume_duration()))},
           {"sticks", plan.sticks_per_volume()},
           {"frames", acquisition.frames_per_volume},
           {"samples", acquisition.samples_per_stick}};

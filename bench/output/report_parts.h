@@ -23,7 +23,7 @@ using StepTimes = std::vector<std::pair<std::string, double>>;
 /// Null unless it is finite: JSON has no NaN.
 nlohmann::ordered_json number(double value);
 
-nlohmann::ordered_json acquisition_json(const hw::AcquisitionPlan& plan);
+nlohmann::ordered_json acquisition_json(const hw::AcquisitionPlan& plan, bool knows_times = true);
 nlohmann::ordered_json wall_json(const StepTimes& times);
 
 /// The text of report.json.

@@ -4,6 +4,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "base/number_text.h"
 #include "base/user_error.h"
 #include "bench/pipeline/acquisitions.h"
 #include "bench/pipeline/scene_warnings.h"
@@ -24,6 +25,24 @@ void check_balance(const hw::BoardAccount& account) {
 double dynamic_range_db(const Scene& scene, const hw::DisplayScale& scale) {
   const bool is_chosen = scene.given.contains("simulation.dynamic_range_db");
   return scale.stated() && !is_chosen ? scale.dynamic_range_db : scene.simulation.dynamic_range_db;
+}
+
+/// The scene with the dynamic range of samples whose scale the stream does not state, from what
+/// describes them; a warning where nothing does and the found surface depends on it.
+Scene with_described_range(Scene scene, const BoardArguments& board, Progress& progress) {
+  const bool is_chosen = scene.given.contains("simulation.dynamic_range_db") ||
+                         scene.given.contains("render.reconstruction.display_range_db");
+  if (is_chosen) return scene;
+  if (const auto range_db = described_range_db(board)) {
+    scene.simulation.dynamic_range_db = *range_db;
+  } else if (render::has_stick_levels(scene.render)) {
+    progress.warn(
+        "render.reconstruction.display_range_db: the dynamic range of the samples is not known and "
+        "taken to be " +
+        significant(scene.simulation.dynamic_range_db, 4) +
+        " dB, by which render.ray_casting.below_tissue_db counts");
+  }
+  return scene;
 }
 
 /// With the phantom of the scene.
@@ -56,6 +75,10 @@ ResolvedScene BoardConnection::resolve(const Scene& given,
   before_configuration_ = first.before;
   Scene scene = with_display_scale(with_plan(given, configuration_->plan, name()),
                                    configuration_->display_scale);
+  configuration_->plan = {scene.probe, configuration_->plan.acquisition()};
+  if (!configuration_->display_scale.stated()) {
+    scene = with_described_range(std::move(scene), arguments_, progress);
+  }
   if (configuration_->source != hw::StreamOrigin::simulated) {
     warn_of_scene(scene, SampleSource::unknown_subject, progress);
     return resolve_scene(std::move(scene), std::nullopt);
@@ -158,7 +181,8 @@ Acquisition BoardConnection::acquire(const StreamSource& source,
           .transport_ms = transport_ms,
           .off_plan_s = result.reader.off_plan_s,
           .ending = result.reader.ending,
-          .board = arguments_.text};
+          .board = arguments_.text,
+          .knows_times = knows_times(arguments_)};
 }
 
 }  // namespace wobblebench::bench

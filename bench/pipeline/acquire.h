@@ -43,9 +43,10 @@ struct Acquisition {
   std::optional<SimulatedVolume> simulated;  ///< none: the sticks come from a recording or a card
   /// Encode, link, decode, ring, assembly: all of the time to the last stick but the simulator's.
   double transport_ms = 0;
-  double off_plan_s = 0;  ///< ReaderStatistics::off_plan_s
-  std::string ending;     ///< why the stream broke off; empty: it did not
-  std::string board;      ///< what --board was given
+  double off_plan_s = 0;    ///< ReaderStatistics::off_plan_s
+  std::string ending;       ///< why the stream broke off; empty: it did not
+  std::string board;        ///< what --board was given
+  bool knows_times = true;  ///< bench::knows_times() of it
 };
 
 /// One board: of --board, or of the scene's simulator.

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "base/number_text.h"
+#include "hw/probe/beam_width.h"
 
 namespace wobblebench::bench {
 
@@ -21,6 +22,26 @@ bool is_default_receiver(const sim::SimulationOptions& o) {
          o.tgc_db_per_cm_mhz == standard.tgc_db_per_cm_mhz;
 }
 
+/// Empty: array and lens are known.
+std::string unknown_aperture(const hw::ProbeOptions& probe) {
+  const bool has_array = hw::knows_array(probe), has_lens = hw::knows_lens(probe);
+  if (has_array && has_lens) return "";
+  return has_array  ? "the lens of the probe is not known"
+         : has_lens ? "the array of the probe is not known"
+                    : "the aperture of the probe is not known";
+}
+
+/// What the surface is then. The lengths are those of simulated faces that were read back without
+/// the aperture of the probes default and curvilinear-60 (exchange_aperture).
+std::string uncorrected_text(const std::string& unknown) {
+  return unknown +
+         ", so that nothing is corrected for the width of its beam: the surface is an iso-surface "
+         "before the skin, on a face by half of the beam's width there (median: 1.2 mm for a beam "
+         "2.4 mm wide, 2.3 mm for one of 4.3 mm), and further where the skin is tilted to the "
+         "beam; "
+         "a geometry file or probe.* can give the aperture (docs/exchange.md)";
+}
+
 /// What the automatic correction cannot know; empty: nothing.
 std::string unknown_to_correction(const Scene& scene, SampleSource source) {
   if (source == SampleSource::unknown_subject) {
@@ -35,7 +56,11 @@ std::string incidence_text(const Scene& scene, SampleSource source) {
   const std::string key = "render.ray_casting.incidence_correction_mm";
   const render::RayCastingOptions& o = scene.render.ray_casting;
   const bool is_chosen = !o.incidence_correction_m && o.mode != render::RenderMode::volume;
-  if (!is_chosen || scene.given.contains(key)) return "";
+  if (!is_chosen) return "";
+  if (const std::string lost = unknown_aperture(scene.probe); !lost.empty()) {
+    return uncorrected_text(lost);
+  }
+  if (scene.given.contains(key)) return "";
   const std::string unknown = unknown_to_correction(scene, source);
   if (unknown.empty()) return "";
   return key + " = auto takes the width of the beam " + unknown +

@@ -5,7 +5,9 @@
 #include <utility>
 
 #include "base/user_error.h"
+#include "bench/scene/given_aperture.h"
 #include "bench/scene/scene_cost.h"
+#include "hw/probe/beam_width.h"
 #include "phantoms/framing.h"
 
 namespace wobblebench::bench {
@@ -92,6 +94,40 @@ hw::AcquisitionOptions with_zones_of(const hw::AcquisitionOptions& scene,
   return hw::with_one_zone(zoned) == delivered ? zoned : delivered;
 }
 
+/// The probe that delivers, with the scene's aperture where it does not know its own.
+hw::ProbeOptions adopted_probe(const Scene& scene, const hw::ProbeOptions& delivered) {
+  if (hw::knows_array(delivered) && hw::knows_lens(delivered)) return delivered;
+  const auto has = [&](const std::string& key) { return scene.given.contains("probe." + key); };
+  const auto refuse = [](const std::string& why) { throw UserError("probe." + why); };
+  const hw::ProbeOptions probe =
+      hw::with_aperture_of(delivered, with_given_aperture(scene.probe, has, refuse));
+  const bool has_beam = hw::knows_array(probe) || hw::knows_lens(probe);
+  for (const std::string key : {"center_frequency_mhz", "fractional_bandwidth"}) {
+    if (!has_beam && has(key)) refuse(key + ": acts with probe.elements or .element_height_mm");
+  }
+  return probe;
+}
+
+/// Why the preset that the user named is not the probe that delivers; empty: it is. `before`,
+/// `after`: the scene's probe, and the one that delivers.
+std::string preset_conflict(const Scene& scene,
+                            const hw::ProbeOptions& delivered,
+                            const nlohmann::ordered_json& before,
+                            const nlohmann::ordered_json& after,
+                            const std::string& source) {
+  if (!scene.given.contains("probe.preset")) return "";
+  // Where the aperture is not known only the face is: that they wobble is no presets' own.
+  if (!hw::knows_array(delivered) || !hw::knows_lens(delivered)) {
+    return preset_refusal(scene.probe.preset, delivered.radius_m);
+  }
+  for (const auto& [key, wanted] : before.items()) {
+    if (wanted == after.at(key)) continue;
+    return "its " + key + " is " + wanted.dump() + "; " + source + " delivers " +
+           after.at(key).dump();
+  }
+  return "";
+}
+
 bool belongs_to_plan(const std::string& key) {
   return key.starts_with("acquisition.") || key.starts_with("probe.");
 }
@@ -131,7 +167,7 @@ ResolvedScene resolve_scene(Scene scene, const std::optional<phantoms::Phantom>&
 
 Scene with_plan(const Scene& scene, const hw::AcquisitionPlan& plan, const std::string& source) {
   Scene adopted = scene;
-  static_cast<hw::ProbeOptions&>(adopted.probe) = plan.probe();
+  static_cast<hw::ProbeOptions&>(adopted.probe) = adopted_probe(scene, plan.probe());
   adopted.acquisition = with_zones_of(scene.acquisition, plan.acquisition());
   const auto before = resolved(scene), after = resolved(adopted);
   for (const std::string& key : scene.given) {
@@ -140,6 +176,12 @@ Scene with_plan(const Scene& scene, const hw::AcquisitionPlan& plan, const std::
     const auto delivered = value_of(after, key);
     if (wanted == delivered) continue;
     throw UserError(key + " = " + wanted.dump() + ": " + source + " delivers " + delivered.dump());
+  }
+  const std::string conflict =
+      preset_conflict(scene, plan.probe(), before.at("probe"), after.at("probe"), source);
+  if (!conflict.empty()) {
+    throw UserError("probe.preset = " + before.at("probe").at("preset").get<std::string>() + ": " +
+                    conflict);
   }
   check_memory(adopted, source, available_memory_bytes());
   return adopted;

@@ -91,6 +91,25 @@ double width_m(const Aperture& transmit,
 
 }  // namespace
 
+ProbeOptions with_aperture_of(const ProbeOptions& probe, const ProbeOptions& other) {
+  ProbeOptions result = probe;
+  if (!knows_array(probe)) {
+    result.elements = other.elements;
+    result.pitch_m = other.pitch_m;
+    result.f_number = other.f_number;
+    result.transmit_focus_m = other.transmit_focus_m;
+  }
+  if (!knows_lens(probe)) {
+    result.element_height_m = other.element_height_m;
+    result.elevation_focus_m = other.elevation_focus_m;
+  }
+  if (!knows_array(probe) && !knows_lens(probe) && (knows_array(other) || knows_lens(other))) {
+    result.center_frequency_hz = other.center_frequency_hz;
+    result.fractional_bandwidth = other.fractional_bandwidth;
+  }
+  return result;
+}
+
 BeamWidth beam_width(const AcquisitionPlan& plan, double range_m) {
   if (!(range_m > 0)) throw std::invalid_argument("beam_width: the range must be above 0");
   const ProbeOptions& probe = plan.probe();
@@ -107,7 +126,8 @@ BeamWidth beam_width(const AcquisitionPlan& plan, double range_m) {
   const auto width = [&](const Aperture& transmit, const Aperture& receive) {
     return width_m(transmit, receive, wave_number, probe.fractional_bandwidth, range_m);
   };
-  return {width(focused_at(probe.transmit_focus_m), focused_at(range_m)), width(lens, lens)};
+  return {knows_array(probe) ? width(focused_at(probe.transmit_focus_m), focused_at(range_m)) : 0,
+          knows_lens(probe) ? width(lens, lens) : 0};
 }
 
 BeamWidths::BeamWidths(const AcquisitionPlan& plan)

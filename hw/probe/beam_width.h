@@ -7,7 +7,21 @@
 
 namespace wobblebench::hw {
 
-/// Two-way -6 dB widths of a point's echo, metres.
+/// False with 0 elements, of scans whose aperture is not known: pitch, F-number and transmit focus
+/// then say nothing, and without a lens neither does the frequency. Options that a user gives
+/// cannot say it.
+constexpr bool knows_array(const ProbeOptions& probe) {
+  return probe.elements != 0;
+}
+/// False with an element height of 0, likewise across the image plane.
+constexpr bool knows_lens(const ProbeOptions& probe) {
+  return probe.element_height_m != 0;
+}
+
+/// The probe with the aperture of `other` where its own is not known.
+ProbeOptions with_aperture_of(const ProbeOptions& probe, const ProbeOptions& other);
+
+/// Two-way -6 dB widths of a point's echo, metres; 0 where the aperture is not known.
 struct BeamWidth {
   double lateral_m = 0;    ///< from stick to stick
   double elevation_m = 0;  ///< from frame to frame

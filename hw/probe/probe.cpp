@@ -5,11 +5,15 @@
 #include <cstddef>
 
 #include "base/options.h"
+#include "hw/probe/beam_width.h"
 
 namespace wobblebench::hw {
 
 void validate(const ProbeOptions& options) {
-  check_options(options);
+  ProbeOptions checked = options;
+  if (!knows_array(options)) checked.elements = ProbeOptions{}.elements;
+  if (!knows_lens(options)) checked.element_height_m = ProbeOptions{}.element_height_m;
+  check_options(checked);
 }
 
 ProbeGeometry::ProbeGeometry(const ProbeOptions& options)

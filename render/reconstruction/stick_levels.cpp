@@ -155,9 +155,10 @@ double below_tissue_db(const hw::AcquisitionPlan& plan,
                        double db) {
   const hw::BeamWidth width = beam.at(range_m);
   const double widest_m = std::max(width.lateral_m, width.elevation_m);
+  // As of the beam for which the option says it, where no beam is known.
+  const double of_beam_db = widest_m > 0 ? db * kWidthOfLevel_m / widest_m : db;
   const double sparse = std::max(spacing_m(plan, range_m) / kSparse_m, 1.0);
-  return std::clamp(db * kWidthOfLevel_m / widest_m, kLeastBelow_db, kMostBelow_db) * sparse *
-         sparse;
+  return std::clamp(of_beam_db, kLeastBelow_db, kMostBelow_db) * sparse * sparse;
 }
 
 }  // namespace

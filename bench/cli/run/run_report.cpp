@@ -32,8 +32,10 @@ std::string why_not_registered(const RunResult& result) {
 std::string volume_line(const RunResult& result, const ResolvedScene& scene) {
   const Acquisition& acquisition = result.acquisition;
   const double sound_ms = to_milliseconds(scene.plan().volume_duration());
-  const std::string sound = "volume      " + rounded(sound_ms) + " ms of sound, " +
-                            rounded(1 / scene.plan().stick_period_s()) + " lines/s, ";
+  const std::string sound = !acquisition.knows_times
+                                ? "volume      of unknown times, "
+                                : "volume      " + rounded(sound_ms) + " ms of sound, " +
+                                      rounded(1 / scene.plan().stick_period_s()) + " lines/s, ";
   if (!acquisition.simulated) {
     return sound + std::string(hw::to_string(acquisition.link.origin)) + ", samples " +
            std::string(hw::to_string(acquisition.source)) + "\nscale       " +
@@ -146,7 +148,7 @@ std::string run_report(const RunResult& result,
                        const std::optional<ToleranceResult>& tolerance) {
   Json report = report_head("run", provenance_of(result), scene.options());
   const auto& simulated = result.acquisition.simulated;
-  report["acquisition"] = acquisition_json(scene.plan());
+  report["acquisition"] = acquisition_json(scene.plan(), result.acquisition.knows_times);
   report["acquisition"]["motor_angles"] = motor_json(result.motor);
   report_simulation(report, simulated, scene.plan());
   if (!simulated) report_stream_scale(report, result.acquisition.display_scale);

@@ -338,6 +338,7 @@ int stream(const Arguments& arguments) {
     stop_in_order();
 
     StreamReport report;
+    report.knows_times = knows_times(parse_board(arguments.board));
     report.queue = queue_options(arguments);
     report.result = stream_to(sink, source, renderer, scene, arguments, sender.get(), progress);
     if (sender) report.sent = sender->finish(end_of(report.result));

@@ -126,7 +126,7 @@ std::string stream_report(const StreamReport& report,
                           const ResolvedScene& scene,
                           const StepTimes& times) {
   Json json = report_head("stream", std::move(provenance), scene.options());
-  json["acquisition"] = acquisition_json(scene.plan());
+  json["acquisition"] = acquisition_json(scene.plan(), report.knows_times);
   json["acquisition"]["motor_angles"] = motor_json(report.result.reader.motor);
   report_simulation(json, report.simulated, scene.plan(), report.result.reader.volumes);
   json["board"] = account_json(report.result.account);

@@ -36,6 +36,7 @@ struct StreamReport {
   std::optional<SendReport> sent;
   std::vector<VolumeError> errors;
   std::string why_no_errors;  ///< empty: there are
+  bool knows_times = true;    ///< false: line rate and volume time are the plan's alone
 };
 
 /// What came and was not shown, and the queues.

@@ -4,6 +4,7 @@
 #include <numeric>
 
 #include "base/number_text.h"
+#include "hw/probe/beam_width.h"
 #include "sim/fidelity.h"
 #include "sim/rungs/echo_model.h"
 
@@ -52,9 +53,36 @@ glm::dvec3 TissueLabels::to_rest(const glm::dvec3& position_m, std::uint32_t vol
                           seconds(plan_.stick_time(plan_.sequence(stick)) - hw::DeviceTime()));
 }
 
+namespace {
+
+using Fields = std::vector<std::pair<std::string, std::string>>;
+
+std::string number(double value) {
+  return significant(value, 12);
+}
+
+/// What is known of it; the frequency also for the time gain of the scale.
+void add_aperture(const hw::ProbeOptions& probe, const hw::DisplayScale& scale, Fields& fields) {
+  const bool has_array = hw::knows_array(probe), has_lens = hw::knows_lens(probe);
+  const auto add = [&](bool is_known, const char* key, double value) {
+    if (is_known) fields.emplace_back(std::string("wobblebench_") + key, number(value));
+  };
+  add(has_array || has_lens || scale.stated(),
+      "center_frequency_mhz",
+      probe.center_frequency_hz / kMegahertz);
+  add(has_array || has_lens, "fractional_bandwidth", probe.fractional_bandwidth);
+  add(has_array, "elements", probe.elements);
+  add(has_array, "pitch_mm", probe.pitch_m / kMillimetre);
+  add(has_array, "f_number", probe.f_number);
+  add(has_array, "transmit_focus_mm", probe.transmit_focus_m / kMillimetre);
+  add(has_lens, "element_height_mm", probe.element_height_m / kMillimetre);
+  add(has_lens, "elevation_focus_mm", probe.elevation_focus_m / kMillimetre);
+}
+
+}  // namespace
+
 std::vector<std::pair<std::string, std::string>> ExportedScan::fields() const {
   const hw::AcquisitionOptions& scan = plan().acquisition();
-  const auto number = [](double value) { return significant(value, 12); };
   std::vector<std::pair<std::string, std::string>> fields = {
       {"wobblebench_source", simulated ? "simulated" : "recording of hardware"},
       {"wobblebench_radius_mm", number(plan().probe().radius_m / kMillimetre)},
@@ -62,6 +90,7 @@ std::vector<std::pair<std::string, std::string>> ExportedScan::fields() const {
       {"wobblebench_sector_deg", number(scan.sector_rad / kDegree)},
       {"wobblebench_fan_deg", number(scan.fan_rad / kDegree)},
       {"wobblebench_depth_mm", number(scan.depth_m / kMillimetre)}};
+  add_aperture(plan().probe(), display_scale, fields);
   if (!display_scale.stated()) return fields;
   fields.emplace_back("wobblebench_dynamic_range_db", number(display_scale.dynamic_range_db));
   fields.emplace_back("wobblebench_full_scale_db", number(display_scale.full_scale_db));

@@ -80,8 +80,8 @@ void add_kretz_geometry(const KretzScan& kretz, Described& described) {
                     " deg; lines must have equal angles between them, around the middle");
   }
   geometry.layout = Layout::polar;
-  geometry.radius_m = kretz.first_m - 0.5 * kretz.resolution_m;
-  geometry.wobble_radius_m = geometry.radius_m - kretz.axis_m;
+  geometry.probe.radius_m = kretz.first_m - 0.5 * kretz.resolution_m;
+  geometry.probe.wobble_radius_m = geometry.probe.radius_m - kretz.axis_m;
   geometry.sector_rad = 2 * half_rad;
   geometry.depth_m = kretz.resolution_m * static_cast<double>(kretz.file.sizes[0]);
   geometry.motor_angles_rad = kretz.frame_rad;
@@ -104,6 +104,9 @@ void add_zea_geometry(const ZeaPicture& zea, Described& described) {
   if (zea.is_envelope && !geometry.has("values")) geometry.values = ValueScale::linear;
   if (zea.is_envelope || zea.file.element == Element::uint8) return;
   if (!geometry.has("white")) geometry.white = 0;
+  if (!geometry.has("black")) {
+    described.need("dynamic_range_db", "how many dB lie between black and white");
+  }
   if (!geometry.has("black")) geometry.black = geometry.white - geometry.dynamic_range_db;
   geometry.given.insert({"white", "black"});
 }

@@ -16,6 +16,7 @@
 #include "bench/exchange/input/described_file.h"
 #include "bench/exchange/input/foreign_array.h"
 #include "bench/exchange/input/resample.h"
+#include "bench/scene/given_aperture.h"
 
 namespace wobblebench::bench {
 
@@ -51,7 +52,12 @@ class Values {
         described.need("black", "which value is the darkest that is displayed");
       }
     }
-    described.need("dynamic_range_db", "how many dB lie between black and white");
+    if (geometry_.values == ValueScale::linear || geometry_.has("full_scale_db")) {
+      described.need("dynamic_range_db", "how many dB lie between black and white");
+    }
+    if (geometry_.tgc_db_per_cm_mhz != 0 && !geometry_.has("preset")) {
+      described.need("center_frequency_mhz", "the frequency by which tgc_db_per_cm_mhz counts");
+    }
     if (geometry_.white <= geometry_.black) {
       described.refuse("geometry.white = " + significant(geometry_.white, 6) +
                        ": must be more than black, " + significant(geometry_.black, 6));
@@ -69,7 +75,8 @@ class Values {
 
   std::string text() const {
     return significant(geometry_.black, 6) + " to " + significant(geometry_.white, 6) + " are " +
-           significant(geometry_.dynamic_range_db, 4) + " dB" +
+           (geometry_.has("dynamic_range_db") ? significant(geometry_.dynamic_range_db, 4) + " dB"
+                                              : "a dynamic range that is not known") +
            (geometry_.values == ValueScale::linear ? ", linear values" : "");
   }
 
@@ -102,6 +109,19 @@ int whole(std::uint64_t number) {
   return static_cast<int>(std::min<std::uint64_t>(number, 1 << 30));
 }
 
+/// What is not given of its aperture is not known, and has no default.
+hw::ProbeOptions probe_of(const Described& described) {
+  const Geometry& geometry = described.geometry;
+  if (geometry.has("preset")) {
+    const std::string why = preset_refusal(geometry.probe.preset, geometry.probe.radius_m);
+    if (!why.empty()) described.refuse("geometry.preset: " + why);
+  }
+  return with_given_aperture(
+      geometry.probe,
+      [&](const std::string& key) { return geometry.has(key); },
+      [&](const std::string& why) { described.refuse("geometry." + why); });
+}
+
 /// The plan of the geometry for sticks of these numbers. Throws UserError where they are beyond
 /// those of any plan.
 hw::AcquisitionPlan plan_of(const Described& described,
@@ -110,9 +130,7 @@ hw::AcquisitionPlan plan_of(const Described& described,
                             std::uint64_t volumes,
                             const std::vector<double>& motor_rad) {
   const Geometry& geometry = described.geometry;
-  hw::ProbeOptions probe;
-  probe.radius_m = geometry.radius_m;
-  probe.wobble_radius_m = geometry.wobble_radius_m;
+  const hw::ProbeOptions probe = probe_of(described);
   hw::AcquisitionOptions scan;
   scan.depth_m = geometry.depth_m;
   scan.sector_rad = geometry.sector_rad;
@@ -153,6 +171,15 @@ void refuse_idle(const Described& described) {
   refuse("samples", layout != Layout::polar, "\"planes\" or \"cartesian\"");
   refuse("motor_angles_deg", layout != Layout::cartesian, "\"polar\" or \"planes\"");
   refuse("spacing_mm", layout != Layout::polar, "\"planes\" or \"cartesian\"");
+  const Geometry& geometry = described.geometry;
+  const bool has_beam = geometry.has("elements") || geometry.has("element_height_mm");
+  if (has_beam || geometry.has("preset")) return;
+  const auto refuse_without_beam = [&](const char* key) {
+    if (!geometry.has(key)) return;
+    described.refuse("geometry." + std::string(key) + ": acts with elements or element_height_mm");
+  };
+  refuse_without_beam("fractional_bandwidth");
+  if (!geometry.has("tgc_db_per_cm_mhz")) refuse_without_beam("center_frequency_mhz");
 }
 
 std::string sizes_text(const VoxelFile& file) {
@@ -169,7 +196,7 @@ std::string summary_of(const Described& described,
   std::ostringstream text;
   text << "voxels      " << sizes_text(file) << " of " << element_name(file.element)
        << ", taken as " << layout << "; " << values.text() << "\n"
-       << "times       of the plan; the file's own are not taken\n";
+       << "times       not known: the file's own are not taken\n";
   return text.str();
 }
 

@@ -54,6 +54,14 @@ Geometry geometry_of_fields(const std::filesystem::path& path, const HeaderField
                                                 "dynamic_range_db",
                                                 "full_scale_db",
                                                 "tgc_db_per_cm_mhz",
+                                                "center_frequency_mhz",
+                                                "fractional_bandwidth",
+                                                "f_number",
+                                                "transmit_focus_mm",
+                                                "elements",
+                                                "pitch_mm",
+                                                "element_height_mm",
+                                                "elevation_focus_mm",
                                                 "frames_per_volume",
                                                 "lines",
                                                 "samples",
@@ -70,7 +78,7 @@ Geometry geometry_of_fields(const std::filesystem::path& path, const HeaderField
     }
     if (!numbers.contains(key)) continue;
     const double number = numbers_in(path, name, value, 1)[0];
-    if (key.starts_with("frames") || key == "lines" || key == "samples") {
+    if (key.starts_with("frames") || key == "lines" || key == "samples" || key == "elements") {
       table.insert(key, static_cast<std::int64_t>(std::clamp(number, -1e9, 1e9)));
     } else {
       table.insert(key, number);

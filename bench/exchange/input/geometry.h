@@ -10,6 +10,7 @@
 #include "base/options.h"
 #include "base/units.h"
 #include "bench/exchange/files/voxel_file.h"
+#include "hw/probe/probe.h"
 
 namespace wobblebench::bench {
 
@@ -27,8 +28,7 @@ enum class ValueScale {
 
 struct Geometry {
   Layout layout = Layout::polar;
-  double radius_m = 40e-3;
-  double wobble_radius_m = 27e-3;
+  hw::NamedProbeOptions probe;  ///< its face, and its aperture if that is given
   double sector_rad = 77 * kDegree;
   double fan_rad = 61 * kDegree;
   std::vector<double> motor_angles_rad;  ///< of each frame, in the place of fan_rad
@@ -63,8 +63,7 @@ void describe(O& o, Visitor& v) {
       "layout",
       o.layout,
       {{"polar", Layout::polar}, {"planes", Layout::planes}, {"cartesian", Layout::cartesian}});
-  v.real("radius_mm", o.radius_m, kMillimetre, 1, 200);
-  v.real("wobble_radius_mm", o.wobble_radius_m, kMillimetre, 0, 200);
+  describe(o.probe, v);
   v.real("sector_deg", o.sector_rad, kDegree, 0.1, 170);
   v.real("fan_deg", o.fan_rad, kDegree, 0.1, 170);
   v.reals("motor_angles_deg", o.motor_angles_rad, kDegree, -85, 85);

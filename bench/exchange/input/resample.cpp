@@ -95,8 +95,8 @@ std::vector<float> each_stick(const hw::AcquisitionPlan& plan, int frames, const
 }  // namespace
 
 StickCounts sticks_of(const Geometry& geometry, double pixel_m) {
-  const double middle_m = geometry.radius_m + 0.5 * geometry.depth_m;
-  const double axis_m = geometry.wobble_radius_m + 0.5 * geometry.depth_m;
+  const double middle_m = geometry.probe.radius_m + 0.5 * geometry.depth_m;
+  const double axis_m = geometry.probe.wobble_radius_m + 0.5 * geometry.depth_m;
   StickCounts counts{count_within(geometry.depth_m / pixel_m, kMostSamples),
                      count_within(geometry.sector_rad * middle_m / pixel_m + 1, kMostLines),
                      count_within(geometry.fan_rad * axis_m / pixel_m + 1, kMostLines)};
@@ -151,7 +151,7 @@ void set_looking_fan(VoxelGrid& grid, Geometry& geometry) {
   const double a = kLookingRadius_m;
   grid.origin_m = glm::dvec3(-0.5 * side.x, -0.5 * side.y, a) +
                   0.5 * glm::dvec3(grid.step_m[0].x, grid.step_m[1].y, grid.step_m[2].z);
-  geometry.radius_m = geometry.wobble_radius_m = a;
+  geometry.probe.radius_m = geometry.probe.wobble_radius_m = a;
   geometry.sector_rad = 2 * std::atan(0.5 * side.x / a);
   geometry.fan_rad = 2 * std::atan(0.5 * side.y / a);
   geometry.depth_m = glm::length(glm::dvec3(0.5 * side.x, 0.5 * side.y, a + side.z)) - a;

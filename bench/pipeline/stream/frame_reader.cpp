@@ -8,6 +8,7 @@
 #include <variant>
 
 #include "base/user_error.h"
+#include "hw/probe/beam_width.h"
 #include "render/reconstruction/frame_store.h"
 
 namespace wobblebench::bench {
@@ -105,7 +106,9 @@ bool FrameReader::take_behind_last(const hw::Event& event) {
 }
 
 /// One stream shows one subject on one scale: what scene, renderer and truth were made for.
-bool FrameReader::take_configuration(const hw::Configuration& configuration) {
+bool FrameReader::take_configuration(hw::Configuration configuration) {
+  configuration.plan = {hw::with_aperture_of(configuration.plan.probe(), plan_.probe()),
+                        configuration.plan.acquisition()};
   const auto& before = assembly_.configuration();
   const bool same_plan = configuration.plan.probe() == plan_.probe() &&
                          configuration.plan.acquisition() == hw::with_one_zone(plan_.acquisition());

@@ -71,7 +71,7 @@ class FrameReader {
   bool take(hw::Event& event);
   void count(const hw::Gap& gap);
   bool take_behind_last(const hw::Event& event);
-  bool take_configuration(const hw::Configuration& configuration);
+  bool take_configuration(hw::Configuration configuration);
   bool take_stick(const hw::StickSlot& slot);
   void note_time(const hw::Stick& stick);
   void begin_volume(const hw::Stick& stick);

@@ -52,7 +52,9 @@ class Bad(Input):
         self.refused("file=" + file, "raw voxels need a geometry file")
         cases = [({"depth_mm": None}, "geometry.depth_mm: is missing"), ({"layout": None}, "geometry.layout: is missing"),
                  ({"element": None}, "geometry.element: is missing"), ({"sizes": [8, 4, 4]}, "has 96 bytes"),
-                 ({"element": "uint16"}, "geometry.big_endian: is missing"), ({"dynamic_range_db": None}, "is missing; must say how many dB"),
+                 ({"element": "uint16"}, "geometry.big_endian: is missing"), ({"dynamic_range_db": None, "values": "linear"}, "is missing; must say how many dB"),
+                 ({"dynamic_range_db": None, "full_scale_db": -15.0}, "is missing; must say how many dB"),
+                 ({"full_scale_db": -15.0, "tgc_db_per_cm_mhz": 0.2}, "geometry.center_frequency_mhz: is missing"),
                  ({"radius_mm": 3000.0}, "must be within 1 and 200"), ({"radius": 3.0}, "no such key; did you mean radius_mm"),
                  ({"sizes": [8, 4, 3.5]}, "whole numbers"), ({"axes": ["line", "line", "frame"]}, "must name its 3 axes"),
                  ({"motor_angles_deg": [1.0]}, "must not be given with fan_deg"), ({"fan_deg": None, "motor_angles_deg": [1.0]}, "must have 3"),
@@ -75,7 +77,6 @@ class Bad(Input):
                  "radius_mm": kretz(voxels, first=1e5), "does not say the number of lines": good.replace(struct.pack("<HHI", 0xC000, 2, 2), struct.pack("<HHI", 0xC0F0, 2, 2))}
         for says, data in cases.items():
             self.refused(self.board(self.write("b.vol", data), dynamic_range_db=60.0), says)
-        self.refused("file=" + self.write("b.vol", good), "geometry.dynamic_range_db: is missing")
         self.refused(self.board(self.write("b.vol", good), dynamic_range_db=60.0, radius_mm=40.0), "says it itself")
 
     def zea_bytes(self, grid):

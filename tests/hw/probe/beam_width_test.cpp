@@ -91,6 +91,28 @@ TEST(BeamWidth, OfEachPresetIsNearThatOfTheElementSum) {
   }
 }
 
+TEST(BeamWidth, IsNoneAcrossAnApertureThatIsNotKnown) {
+  ProbeOptions no_array, no_lens, other;
+  no_array.elements = 0;
+  no_lens.element_height_m = 0;
+  other.f_number = 2;
+  other.element_height_m = 8e-3;
+  const BeamWidth whole = beam_width(AcquisitionPlan({}, {}), 80e-3);
+  const BeamWidth flat = beam_width(AcquisitionPlan(no_array, {}), 80e-3);
+  const BeamWidth tall = beam_width(AcquisitionPlan(no_lens, {}), 80e-3);
+  EXPECT_EQ(flat.lateral_m, 0);
+  EXPECT_EQ(flat.elevation_m, whole.elevation_m);
+  EXPECT_EQ(tall.lateral_m, whole.lateral_m);
+  EXPECT_EQ(tall.elevation_m, 0);
+  EXPECT_EQ(with_aperture_of({}, other), ProbeOptions{});
+  EXPECT_EQ(with_aperture_of(no_array, other).f_number, 2);
+  EXPECT_EQ(with_aperture_of(no_array, other).element_height_m, ProbeOptions{}.element_height_m);
+  EXPECT_EQ(with_aperture_of(no_lens, other).element_height_m, 8e-3);
+  ProbeOptions wrong;
+  wrong.elements = -1;
+  EXPECT_THROW(AcquisitionPlan(wrong, {}), InvalidOption);
+}
+
 TEST(BeamWidth, AtNoRangeIsRefused) {
   EXPECT_THROW(beam_width(AcquisitionPlan({}, {}), 0), std::invalid_argument);
 }

@@ -70,6 +70,16 @@ TEST(StickLevels, FollowDecibelsAndTheDisplay) {
   EXPECT_NEAR(stick_levels_of(tissue, kEdges, options).front(), 0.7 - below_share(3) / 2, 2e-3);
 }
 
+TEST(StickLevels, LieTheOptionsDecibelsBelowWhereNoBeamIsKnown) {
+  hw::ProbeOptions unknown;
+  unknown.elements = 0;
+  unknown.element_height_m = 0;
+  const hw::BeamWidths beam(hw::AcquisitionPlan(unknown, fan().acquisition()));
+  const auto levels = find_stick_levels(
+      fan(), fan_frames([](int) { return 0.7; }), kEdges, kTwoKinds, beam, RenderOptions());
+  EXPECT_NEAR(levels.front(), 0.7 - 6.0 / 60, 2e-3);
+}
+
 TEST(StickLevels, AreNoHigherThanTissueAllowsAndNoLowerThanAShare) {
   // Bone echoes more than tissue; what hardly echoes is not taken for a surface of its own.
   EXPECT_NEAR(stick_levels_of([](int) { return 1.0; }, kEdges).front(), 0.7 - below_share(6), 2e-3);
