@@ -32,6 +32,7 @@ ProbeSimulator::ProbeSimulator(const phantoms::PlacedPhantom& subject,
                                const hw::AcquisitionPlan& plan,
                                const SimulationOptions& options,
                                const TissueMapSource& maps) {
+  hw::validate(plan.probe());
   check_options(options);
   check_options(options.clutter, "clutter.");
   check_options(options.display, "display.");

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "base/options.h"
+#include "hw/probe/beam_width.h"
 
 namespace wobblebench::hw {
 namespace {
@@ -41,7 +42,7 @@ AcquisitionOptions with_one_zone(AcquisitionOptions acquisition) {
 
 AcquisitionPlan::AcquisitionPlan(const ProbeOptions& probe, const AcquisitionOptions& acquisition)
     : probe_(probe), acquisition_(acquisition) {
-  validate(probe_);
+  validate_known(probe_);
   check_options(acquisition_);
   if (acquisition_.focal_zones == 1) return;
   try {

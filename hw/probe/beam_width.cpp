@@ -91,6 +91,13 @@ double width_m(const Aperture& transmit,
 
 }  // namespace
 
+void validate_known(const ProbeOptions& probe) {
+  ProbeOptions checked = probe;
+  if (!knows_array(probe)) checked.elements = ProbeOptions{}.elements;
+  if (!knows_lens(probe)) checked.element_height_m = ProbeOptions{}.element_height_m;
+  validate(checked);
+}
+
 ProbeOptions with_aperture_of(const ProbeOptions& probe, const ProbeOptions& other) {
   ProbeOptions result = probe;
   if (!knows_array(probe)) {

@@ -18,6 +18,9 @@ constexpr bool knows_lens(const ProbeOptions& probe) {
   return probe.element_height_m != 0;
 }
 
+/// As validate(), but for an aperture that is not known.
+void validate_known(const ProbeOptions& probe);
+
 /// The probe with the aperture of `other` where its own is not known.
 ProbeOptions with_aperture_of(const ProbeOptions& probe, const ProbeOptions& other);
 

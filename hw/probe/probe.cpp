@@ -10,15 +10,12 @@
 namespace wobblebench::hw {
 
 void validate(const ProbeOptions& options) {
-  ProbeOptions checked = options;
-  if (!knows_array(options)) checked.elements = ProbeOptions{}.elements;
-  if (!knows_lens(options)) checked.element_height_m = ProbeOptions{}.element_height_m;
-  check_options(checked);
+  check_options(options);
 }
 
 ProbeGeometry::ProbeGeometry(const ProbeOptions& options)
     : a_(options.radius_m), b_(options.radius_m - options.wobble_radius_m) {
-  validate(options);
+  validate_known(options);
 }
 
 glm::dvec3 ProbeGeometry::to_cartesian(const PolarPoint& point) const {

@@ -27,8 +27,10 @@ struct ProbeOptions {
   /// Along the face. No rule ties them to the sector: sticks may lie beyond the last element.
   int elements = 128;
   double pitch_m = 0.42e-3;  ///< of the elements along the face; 128 fill the default sector
-  double element_height_m = 13.5e-3;  ///< aperture across the image plane
-  double elevation_focus_m = 75e-3;   ///< fixed focus across the image plane, range from the face
+  /// Aperture across the image plane. Of scans of unknown probes it and `elements` are 0, which no
+  /// user can give (hw/probe/beam_width.h).
+  double element_height_m = 13.5e-3;
+  double elevation_focus_m = 75e-3;  ///< fixed focus across the image plane, range from the face
 
   friend bool operator==(const ProbeOptions&, const ProbeOptions&) = default;
 };
@@ -47,7 +49,7 @@ void describe(O& o, Visitor& v) {
   v.real("elevation_focus_mm", o.elevation_focus_m, kMillimetre, 5, 300);
 }
 
-/// Throws InvalidOption for a field out of range.
+/// Throws InvalidOption for a field out of range, and for an aperture that is not known.
 void validate(const ProbeOptions& options);
 
 /// A point in the probe's polar coordinates.

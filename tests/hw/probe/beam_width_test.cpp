@@ -108,6 +108,8 @@ TEST(BeamWidth, IsNoneAcrossAnApertureThatIsNotKnown) {
   EXPECT_EQ(with_aperture_of(no_array, other).f_number, 2);
   EXPECT_EQ(with_aperture_of(no_array, other).element_height_m, ProbeOptions{}.element_height_m);
   EXPECT_EQ(with_aperture_of(no_lens, other).element_height_m, 8e-3);
+  EXPECT_NO_THROW(AcquisitionPlan(no_array, {}));
+  EXPECT_THROW(validate(no_array), InvalidOption);
   ProbeOptions wrong;
   wrong.elements = -1;
   EXPECT_THROW(AcquisitionPlan(wrong, {}), InvalidOption);
