@@ -2,7 +2,9 @@
 
 #include <sys/wait.h>
 
+#include <algorithm>
 #include <chrono>
+#include <cstdlib>
 #include <cstring>
 #include <thread>
 
@@ -37,6 +39,16 @@ std::string open_in_browser(const std::filesystem::path& page) {
 }
 
 std::string open_address(const std::string& address) {
+  // Without any of them xdg-open tries the browsers of terminals, one of which may wait in silence.
+  constexpr const char* kDesktops[] = {"DISPLAY", "WAYLAND_DISPLAY", "BROWSER"};
+  if (std::ranges::none_of(kDesktops, [](const char* name) {
+        const char* const value = std::getenv(name);
+        return value != nullptr && *value != '\0';
+      })) {
+    return "--open: there is no desktop (neither DISPLAY, WAYLAND_DISPLAY nor BROWSER is set); the "
+           "page is " +
+           address;
+  }
   // A browser's messages are not ours; it may outlive this program, and a pipe that reads our
   // output.
   pid_t child = 0;

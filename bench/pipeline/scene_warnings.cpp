@@ -15,8 +15,9 @@ std::string degrees(double rad) {
   return significant(rad / kDegree, 3);
 }
 
-bool is_default_receiver(const sim::SimulationOptions& o) {
-  const sim::SimulationOptions standard;
+/// That of the preset, with which the correction was measured.
+bool is_known_receiver(const sim::SimulationOptions& o) {
+  const sim::SimulationOptions standard = sim::simulation_preset(o.preset);
   return o.full_scale_db == standard.full_scale_db &&
          o.dynamic_range_db == standard.dynamic_range_db &&
          o.tgc_db_per_cm_mhz == standard.tgc_db_per_cm_mhz;
@@ -47,8 +48,8 @@ std::string unknown_to_correction(const Scene& scene, SampleSource source) {
   if (source == SampleSource::unknown_subject) {
     return "of the aperture that the scene's probe.* give, and the samples are not simulated";
   }
-  if (is_default_receiver(scene.simulation)) return "";
-  return "at the level of the default receiver, and the receiver is another";
+  if (is_known_receiver(scene.simulation)) return "";
+  return "at the level of the preset's receiver, and the receiver is another";
 }
 
 /// Empty: there is nothing to say of it.

@@ -49,6 +49,10 @@ inline constexpr Measure kOutsideField{"outside_field_percent",
                                        Worse::neither};
 inline constexpr Measure kShadowed{
     "shadowed_percent", "shadowed", "Of the picture: a surface in a shadow", Worse::neither};
+inline constexpr Measure kCutByBox{"cut_by_box_percent",
+                                   "cut by the box",
+                                   "Of the area that the probe could see: outside "
+                                   "render.volume_of_interest, in picture and truth"};
 inline constexpr Measure kGrazing{
     "grazing_percent", "grazing", "Of the picture: a surface that sticks graze", Worse::neither};
 inline constexpr Measure kGrazingMissed{"grazing_missed_percent",

@@ -4,6 +4,7 @@
 #include <glm/matrix.hpp>
 #include <glm/trigonometric.hpp>
 #include <iterator>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <string>
@@ -74,6 +75,7 @@ class FetalScene {
         hand_is_before_(options.hand == HandPlace::before),
         cord_(make_cord(options)),
         placenta_m_(options.placenta_m),
+        skin_(posed_skin()),
         position_m_(position_for(scale_, options.maternal_layer_m)),
         maternal_layer_(options.maternal_layer_m, glm::dvec3(0, 0, kFaceOfProbe_m) - position_m_) {
     if (hand_is_before_) hand_ = place_hand(options);
@@ -140,12 +142,17 @@ class FetalScene {
   }
   Box maternal_bounds() const { return maternal_layer_.bounds(); }
   /// Reaches from the fluid in front of the nose, and of what lies before it, to behind the ears,
-  /// from above the crown to the upper chest.
+  /// from above the crown to the upper chest; further where the head is turned out of that.
   Box region_of_interest() const {
     const double crown = head_.landmarks.crown_m.y + head_.landmarks.head_position_m.y;
     const double front = std::min(-18 * kMillimetre * scale_, before_face_m_ - 2 * kMillimetre);
-    return {{-40 * kMillimetre * scale_, crown - 3 * kMillimetre, front},
+    Box box{{-40 * kMillimetre * scale_, crown - 3 * kMillimetre, front},
             scale_ * kMillimetre * glm::dvec3(40, 43, 42)};
+    for (int axis = 0; axis < 3; ++axis) {
+      if (skin_.low[axis] < box.low[axis]) box.low[axis] = skin_.low[axis] - kRoom_m;
+      if (skin_.high[axis] > box.high[axis]) box.high[axis] = skin_.high[axis] + kRoom_m;
+    }
+    return box;
   }
   const glm::dvec3& suggested_position_m() const { return position_m_; }
   bool hand_is_before() const { return hand_is_before_; }
@@ -177,9 +184,7 @@ class FetalScene {
   /// jaw of an open mouth leaves it by little. Outer radius: short of the cavity's wall; the hand
   /// moves little.
   Joint joint() const {
-    const HeadShape& shape = child_.solved.shape;
-    const glm::dvec3 in_head =
-        shape.unit_m * glm::dvec3(0, -0.065 * shape.biparietal, 0.48 * shape.occipitofrontal);
+    const glm::dvec3 in_head = middle_of_skull();
     const FetalLandmarks& pose = head_.landmarks;
     return {pose.head_to_phantom * in_head + pose.head_position_m,
             reach_of_skull(head_, in_head) + 0.6 * kMillimetre,
@@ -188,6 +193,26 @@ class FetalScene {
   }
 
  private:
+  static constexpr double kRoom_m = 3 * kMillimetre;
+
+  glm::dvec3 middle_of_skull() const {
+    const HeadShape& shape = child_.solved.shape;
+    return shape.unit_m * glm::dvec3(0, -0.065 * shape.biparietal, 0.48 * shape.occipitofrontal);
+  }
+  /// Bounds of the head's skin in its pose; of its depth of what is seen from before.
+  Box posed_skin() const {
+    const FetalLandmarks& pose = head_.landmarks;
+    const glm::dvec3 along = to_head_ * glm::dvec3(0, 0, 1);
+    Box bounds{glm::dvec3(std::numeric_limits<double>::infinity()),
+               glm::dvec3(-std::numeric_limits<double>::infinity())};
+    for (const glm::dvec3& point : skin_points(head_, middle_of_skull())) {
+      glm::dvec3 posed = pose.head_to_phantom * point + pose.head_position_m;
+      bounds.low = glm::min(bounds.low, posed);
+      if (!is_seen(head_, point, along)) posed.z = bounds.high.z;
+      bounds.high = glm::max(bounds.high, posed);
+    }
+    return bounds;
+  }
   std::optional<Mouth> mouth() const {
     if (mouth_open_m_ == 0) return std::nullopt;
     const FetalLandmarks& pose = head_.landmarks;
@@ -259,6 +284,7 @@ class FetalScene {
   double before_face_m_ = 0;  // least z of what was placed before the face
   UmbilicalCord cord_;
   double placenta_m_;
+  Box skin_;  // of the head, in its pose
   glm::dvec3 position_m_;
   MaternalLayer maternal_layer_;
 };

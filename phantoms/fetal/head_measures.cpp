@@ -42,6 +42,21 @@ glm::dvec3 first_point(const CsgBody& body, const Ray& ray) {
   return ray.at(travelled);
 }
 
+// The outermost points of a body in directions that are spread evenly about a point within.
+std::vector<glm::dvec3> points_around(const CsgBody& body, const glm::dvec3& center_m) {
+  constexpr int kDirections = 1500;
+  constexpr double kFrom_m = 0.15;
+  std::vector<glm::dvec3> points;
+  for (int i = 0; i < kDirections; ++i) {
+    // Fibonacci sphere.
+    const double y = 1 - 2 * (i + 0.5) / kDirections, around = i * kPi * (3 - std::sqrt(5.0));
+    const double r = std::sqrt(1 - y * y);
+    const glm::dvec3 outwards{r * std::cos(around), y, r * std::sin(around)};
+    points.push_back(first_point(body, {center_m + kFrom_m * outwards, -outwards}));
+  }
+  return points;
+}
+
 // The parameter between two limits where `value` is largest: the best of some equal steps, then
 // golden section about it.
 template <class Value>
@@ -455,21 +470,23 @@ void HeadCalipers::name_corners() {
 }  // namespace
 
 double reach_of_skull(const FetalHead& head, const glm::dvec3& center_m) {
-  constexpr int kDirections = 1500;
-  constexpr double kFrom_m = 0.15;
   double reach = 0;
-  for (int i = 0; i < kDirections; ++i) {
-    // Fibonacci sphere.
-    const double y = 1 - 2 * (i + 0.5) / kDirections, around = i * kPi * (3 - std::sqrt(5.0));
-    const double r = std::sqrt(1 - y * y);
-    const glm::dvec3 outwards{r * std::cos(around), y, r * std::sin(around)};
-    const glm::dvec3 point = first_point(head.skull, {center_m + kFrom_m * outwards, -outwards});
+  for (const glm::dvec3& point : points_around(head.skull, center_m)) {
     reach = std::max(reach, glm::distance(point, center_m));
   }
   for (const Ellipsoid& eye : head.eyes) {
     reach = std::max(reach, glm::distance(eye.center, center_m) + eye.radii_m.x);
   }
   return reach;
+}
+
+std::vector<glm::dvec3> skin_points(const FetalHead& head, const glm::dvec3& center_m) {
+  return points_around(head.skin, center_m);
+}
+
+bool is_seen(const FetalHead& head, const glm::dvec3& skin_m, const glm::dvec3& along) {
+  constexpr double kFrom_m = 0.15, kNear_m = 0.3e-3;
+  return glm::distance(first_point(head.skin, {skin_m - kFrom_m * along, along}), skin_m) < kNear_m;
 }
 
 MeasuredHead measure_head(const FetalHead& head, const HeadShape& shape) {

@@ -37,5 +37,9 @@ std::vector<NamedPoint> named_points(const FetalHead& head, const HeadShape& sha
 
 /// Radius of the smallest ball about `center_m` that contains the bone, by rays from outside.
 double reach_of_skull(const FetalHead& head, const glm::dvec3& center_m);
+/// Of the skin, some 3 mm apart, by rays from outside; head frame.
+std::vector<glm::dvec3> skin_points(const FetalHead& head, const glm::dvec3& center_m);
+/// Whether a point of the skin is the first on the ray along this unit vector; head frame.
+bool is_seen(const FetalHead& head, const glm::dvec3& skin_m, const glm::dvec3& along);
 
 }  // namespace wobblebench::phantoms

@@ -45,7 +45,7 @@ class Examples(unittest.TestCase):
 
     def test_tuning_ends_and_repeats(self):
         said = [self.python("tune.py", "--trials", "5", *SMALL) for _ in range(2)]
-        self.assertRegex(said[0], r"^\d+\.\d+ with threshold \S+, n \d+, steps \d+\n$")
+        self.assertRegex(said[0], r"^\d+\.\d+ by the scene's own settings\n\d+\.\d+ with threshold \S+, n \d+, steps \d+\n$")
         self.assertEqual(said[0], said[1])
 
     def test_a_recording_is_looked_at(self):

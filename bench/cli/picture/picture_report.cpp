@@ -32,6 +32,14 @@ std::string unseen_line(const DepthError& raw) {
   return line.empty() ? line : line + " (of the picture; counted apart)\n";
 }
 
+/// Empty where the box cuts next to nothing off.
+std::string cut_line(double percent) {
+  constexpr double kLeast = 0.5;
+  if (!(percent >= kLeast)) return "";
+  return "cut off     " + rounded(percent) +
+         " % of the surface that the probe could see lies outside render.volume_of_interest\n";
+}
+
 }  // namespace
 
 std::string rounded(double value) {
@@ -57,7 +65,8 @@ std::string error_text(const Comparison& comparison, const ResolvedScene& scene)
          " % beyond 10 mm, over " + std::to_string(raw.depth.n) + " pixels\nsurface     missed " +
          percent(raw.missed_surface_percent()) + " % of its area (" +
          percent(raw.missed_percent()) + " % of the picture), false " +
-         percent(raw.false_percent()) + " % of the picture\n" + unseen_line(raw);
+         percent(raw.false_percent()) + " % of the picture\n" + unseen_line(raw) +
+         cut_line(comparison.error.cut_by_box_percent);
 }
 
 }  // namespace wobblebench::bench

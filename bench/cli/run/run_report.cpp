@@ -43,10 +43,10 @@ std::string volume_line(const RunResult& result, const ResolvedScene& scene) {
   }
   const SimulatedVolume& simulated = *acquisition.simulated;
   return sound + "simulated in " + rounded(simulated.volume_ms) +
-         " ms (before the first: " + rounded(simulated.map_ms) + " ms for the phantom" +
+         " ms (before the first: " + rounded(simulated.map_ms) + " ms for the tissue map" +
          (result.kept.tissue_map ? ", cached, " : ", ") + rounded(simulated.once_ms) +
-         " ms for the scene)\nsimulator   " + sim::to_string(simulated.fidelity.rung) + ": " +
-         simulated.fidelity.reason + "\n";
+         " ms for beam and speckle)\nsimulator   " + sim::to_string(simulated.fidelity.rung) +
+         ": " + simulated.fidelity.reason + "\n";
 }
 
 std::string board_line(const hw::BoardAccount& account) {

@@ -258,6 +258,9 @@ std::string score_report(const FoundSurface& found,
 int score(const ScoreArguments& arguments) {
   const auto limits = parse_limits(arguments.limits, limit_names(picture_figures(nullptr, {})));
   const SurfaceFileOptions options = surface_options(arguments);
+  if (!std::filesystem::is_regular_file(options.file)) {
+    throw UserError("FILE = " + options.file.string() + ": there is no such file");
+  }
   const ScoredScene scored = load_scored_scene(arguments);
   const auto work = [&](OutputFolder& out, Progress& progress) {
     for (const char* name : {"depth.exr", "truth_depth.exr", "error_depth.exr"}) {

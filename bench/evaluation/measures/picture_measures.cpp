@@ -199,6 +199,7 @@ PictureMeasures measure_picture(const render::Picture& picture,
   measures.filtered = measure_depth_error(picture.filtered_depth_m, truth, view.camera);
   std::vector<RegionGroup> groups = view.regions;
   if (!picture.drawn.pixels.empty()) groups.push_back(drawn_pixels(picture.drawn));
+  measures.cut_by_box_percent = truth.cut_by_box_percent;
   measures.drawn = static_cast<int>(std::ranges::count(picture.drawn.pixels, 1));
   measures.regions =
       measure_regions(groups, truth, view.camera, picture.depth_m, measures.raw, measures.filtered);
@@ -249,6 +250,7 @@ void describe(const PictureMeasures& measures, const ExpectedSurface& expected, 
   to.add(error::kOutsideField, 100.0 * raw.outside_field / raw.pixels);
   to.add(error::kGrazing, 100.0 * raw.grazing / raw.pixels);
   to.add(error::kShadowed, 100.0 * raw.shadowed / raw.pixels);
+  to.add(error::kCutByBox, measures.cut_by_box_percent);
   describe_regions(measures, expected, to);
   describe_normals(raw.normal, measures.filtered.normal, to);
   describe(measures.distance.value_or(SurfaceDistance()), to);

@@ -32,7 +32,8 @@ struct PictureMeasures {
   DepthError filtered;     ///< error of pass 3's z
   ImageSimilarity shaded;  ///< surface image against the truth shaded alike; NaN: not formed
   std::vector<RegionError> regions;
-  int drawn = 0;  ///< pixels whose z was not found (render::Picture::drawn)
+  int drawn = 0;                  ///< pixels whose z was not found (render::Picture::drawn)
+  double cut_by_box_percent = 0;  ///< Truth::cut_by_box_percent
   std::optional<SurfaceDistance> distance;  ///< none: not asked for
 };
 

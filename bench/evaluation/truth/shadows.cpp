@@ -147,6 +147,8 @@ Truth true_surface(const ResolvedScene& scene,
                    const StickReach& reach,
                    std::uint32_t volume) {
   Truth truth = trace_truth(scene.subject().value(), scene.plan(), view, volume);
+  truth.cut_by_box_percent =
+      cut_by_box_percent(scene.subject().value(), scene.plan(), view, volume);
   mark_shadowed(truth, reach, view.camera);
   return truth;
 }

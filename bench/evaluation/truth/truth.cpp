@@ -70,6 +70,18 @@ Truth nothing_in_view(int size) {
   return truth;
 }
 
+bool is_of_face(std::uint8_t label) {
+  return label >= static_cast<std::uint8_t>(phantoms::Part::forehead) &&
+         label <= static_cast<std::uint8_t>(phantoms::Part::cleft);
+}
+
+/// The truth's depths are floats.
+bool is_within(const render::VolumeOfInterest& box, const glm::dvec3& at) {
+  constexpr double kRounding_m = 1e-7;
+  const glm::dvec3 off = glm::abs(at - box.center_m), half = 0.5 * box.size_m + kRounding_m;
+  return off.x <= half.x && off.y <= half.y && off.z <= half.z;
+}
+
 }  // namespace
 
 bool in_field(const hw::AcquisitionPlan& plan, const hw::PolarPoint& point) {
@@ -105,6 +117,33 @@ Truth trace_truth(const phantoms::PlacedPhantom& subject,
     truth.parts = labels_in(truth.part.pixels, subject.phantom);
   }
   return truth;
+}
+
+double cut_by_box_percent(const phantoms::PlacedPhantom& subject,
+                          const hw::AcquisitionPlan& plan,
+                          const render::View& view,
+                          std::uint32_t volume) {
+  constexpr int kSide = 96;
+  constexpr double kWider = 2;
+  render::View wide = view;
+  wide.box.size_m *= kWider;
+  wide.camera.width_m *= kWider;
+  wide.camera.plane_distance_m *= kWider;
+  wide.camera.image_size = kSide;
+  const Truth truth = trace_truth(subject, plan, wide, volume);
+  double all_m2 = 0, cut_m2 = 0;
+  for (int row = 0; row < kSide; ++row) {
+    for (int column = 0; column < kSide; ++column) {
+      if (truth.kind.at(column, row) != TruthKind::surface) continue;
+      if (subject.phantom.parts() != nullptr && !is_of_face(truth.part.at(column, row))) continue;
+      const double area_m2 = pixel_area_m2(truth, wide.camera, column, row);
+      const glm::dvec3 at =
+          wide.camera.ray(column, row).at(static_cast<double>(truth.depth_m.at(column, row)));
+      all_m2 += area_m2;
+      if (!is_within(view.box, at)) cut_m2 += area_m2;
+    }
+  }
+  return 100 * cut_m2 / all_m2;
 }
 
 double pixel_area_m2(const render::Camera& camera,

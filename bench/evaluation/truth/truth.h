@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <glm/vec3.hpp>
+#include <limits>
 #include <span>
 #include <vector>
 
@@ -52,6 +53,7 @@ struct Truth {
   Image<std::uint8_t> part = {};  ///< label of the part that the ray crosses; 0: none
   std::vector<phantoms::LabelName> parts =
       {};  ///< of a phantom that names its parts: those in the picture
+  double cut_by_box_percent = std::numeric_limits<double>::quiet_NaN();  ///< NaN: not known
 
   /// Depth of what the ray crosses, seen or not; kNoSurface: nothing.
   float any_depth_m(int column, int row) const {
@@ -67,6 +69,15 @@ Truth trace_truth(const phantoms::PlacedPhantom& subject,
                   const hw::AcquisitionPlan& plan,
                   const render::View& view,
                   std::uint32_t volume = 0);
+
+/// How much of the surface lies outside the view's box, percent of its area: of what the probe
+/// could see in this view, but for the box, to twice the box's size. Of a face the face with ears
+/// and crown, whose body always goes on beyond. Truth and picture end at the box alike, so that no
+/// error shows it. NaN: the probe sees none.
+double cut_by_box_percent(const phantoms::PlacedPhantom& subject,
+                          const hw::AcquisitionPlan& plan,
+                          const render::View& view,
+                          std::uint32_t volume = 0);
 
 /// Those labels of the phantom that occur, by number.
 std::vector<phantoms::LabelName> labels_in(std::span<const std::uint8_t> labels,

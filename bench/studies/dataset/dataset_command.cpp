@@ -32,15 +32,16 @@ SceneMaking making_of(const Arguments& arguments) {
 }
 
 /// Makes the scenes of the shard that are not there.
-void make_scenes(const Arguments& arguments,
-                 const Shard& shard,
-                 const PopulationPlan& plan,
-                 const DatasetFolder& folder) {
+/// Returns its steps with their times: none where all scenes are there.
+StepTimes make_scenes(const Arguments& arguments,
+                      const Shard& shard,
+                      const PopulationPlan& plan,
+                      const DatasetFolder& folder) {
   std::vector<int> missing;
   for (int i = shard.index - 1; i < plan.scenes; i += shard.count) {
     if (!folder.has(i)) missing.push_back(i);
   }
-  if (missing.empty()) return;
+  if (missing.empty()) return {};
   stop_in_order();
   Progress progress;
   progress.warn(idle_options_of(plan));
@@ -54,6 +55,19 @@ void make_scenes(const Arguments& arguments,
       progress.note(std::to_string(refused) + " refused");
     }
   });
+  return progress.times();
+}
+
+/// Two parts of a command, one after the other, with the total of both.
+StepTimes joined(StepTimes first, const StepTimes& second) {
+  double before_ms = 0;
+  if (!first.empty()) {
+    before_ms = first.back().second;
+    first.pop_back();
+  }
+  first.insert(first.end(), second.begin(), second.end());
+  first.back().second += before_ms;
+  return first;
 }
 
 int scenes_there(const PopulationPlan& plan, const DatasetFolder& folder) {
@@ -75,6 +89,7 @@ std::string unfinished_text(const Arguments& arguments,
 CommandResult write_dataset(const Arguments& arguments,
                             const PopulationPlan& plan,
                             const DatasetFolder& folder,
+                            const StepTimes& making,
                             OutputFolder& out,
                             Progress& progress) {
   const auto figures = progress.step("manifest", [&] { return stage_manifest(plan, folder, out); });
@@ -85,7 +100,7 @@ CommandResult write_dataset(const Arguments& arguments,
   Json report = report_head("dataset", provenance, plan.scene(plan.draw(0)));
   report["scene"] = nullptr;  // there are several
   report["dataset"] = dataset_json(plan, figures);
-  report["wall_ms"] = wall_json(progress.times());
+  report["wall_ms"] = wall_json(joined(making, progress.times()));
   const std::string refused = report["dataset"]["refused"].dump();
   CommandResult done{.report = report_text(report),
                      .summary = std::to_string(plan.scenes) + " scenes, " + refused +
@@ -150,14 +165,14 @@ int dataset(const Arguments& arguments) {
       return verify(arguments, plan, folder, progress);
     });
   }
-  make_scenes(arguments, shard, plan, folder);
+  const StepTimes making = make_scenes(arguments, shard, plan, folder);
   // Shards end at the same time: none of them may need the folder for itself.
   if (shard.count > 1 || scenes_there(plan, folder) < plan.scenes) {
     std::cout << unfinished_text(arguments, plan, folder);
     return kDone;
   }
   return run_in_folder(arguments.output, {}, [&](OutputFolder& out, Progress& progress) {
-    return write_dataset(arguments, plan, folder, out, progress);
+    return write_dataset(arguments, plan, folder, making, out, progress);
   });
 }
 

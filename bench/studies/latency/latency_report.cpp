@@ -20,6 +20,24 @@ std::string ms(double value) {
   return std::isfinite(value) ? fixed(value, value < 10 ? 2 : 0) : "none";
 }
 
+/// What limits the stream, and how old its echoes are.
+std::string answer_text(const LatencyStudy& study) {
+  std::ostringstream text;
+  const Bottleneck bottleneck = bottleneck_of(study.summary);
+  text << "The bottleneck of the scene is **" << bottleneck.stage << "**, "
+       << significant(bottleneck.times_the_next, 3) << " times the next:";
+  for (const StageLoad& load : study.summary.loads) {
+    text << " " << load.stage << " " << ms(load.ms_per_volume) << " ms";
+  }
+  text << " a volume.";
+  if (study.checks.empty()) return text.str();
+  const LatencyCheck& scene = study.checks.front();
+  text << " The newest echo of a picture is **" << ms(scene.wall.p50) << " ms** old (P50; P99 "
+       << ms(scene.wall.p99) << " ms), and " << fixed(scene.wall_volumes_per_s, 2)
+       << " volumes are shown a second, on the wall clock.";
+  return text.str();
+}
+
 std::string head_text(const LatencyStudy& study, const Provenance& provenance, const Scene& scene) {
   std::ostringstream text;
   const auto& acquisition = scene.acquisition;
@@ -31,14 +49,7 @@ std::string head_text(const LatencyStudy& study, const Provenance& provenance, c
        << "² pixels; simulated sticks, seed " << scene.simulation.seed
        << ", sent in real time; policy " << to_string(study.policy)
        << ". Wall clock: " << study.rounds << " streams of each setting, all settings in turn, of "
-       << study.volumes << " volumes, the first two left out.\n";
-  const Bottleneck bottleneck = bottleneck_of(study.summary);
-  text << "\nThe bottleneck of the scene is " << bottleneck.stage << ", "
-       << significant(bottleneck.times_the_next, 3) << " times the next:";
-  for (const StageLoad& load : study.summary.loads) {
-    text << " " << load.stage << " " << ms(load.ms_per_volume) << " ms";
-  }
-  text << " a volume.";
+       << study.volumes << " volumes, the first two left out.";
   return text.str();
 }
 
@@ -188,6 +199,15 @@ void add_stalls(const LatencyStudy& study, Document& document) {
                 "before the stall; the time counts from the stall's end."})
       .add(std::move(figure))
       .add(stall_table(study));
+  const bool too_few = std::ranges::any_of(study.stalls, [](const StallRecovery& stall) {
+    return !std::isfinite(stall.wall_ms) || !std::isfinite(stall.predicted_ms);
+  });
+  if (!too_few) return;
+  document.add(Text{"**" + std::to_string(study.volumes) +
+                    " volumes are too few** to see a recovery that is `none`: the stream ended "
+                    "before it, " +
+                    std::to_string(study.volumes - study.volumes / 2) +
+                    " volumes after the stall; more `--volumes` would tell."});
 }
 
 Table crossover_table(const LatencyStudy& study) {
@@ -284,7 +304,7 @@ Document latency_document(const LatencyStudy& study,
                           const Provenance& provenance,
                           const Scene& scene) {
   Document document{.title = "Latency: acquisition against rendering", .name = "latency"};
-  document.add(Text{head_text(study, provenance, scene)});
+  document.add(Text{answer_text(study)}).add(Text{head_text(study, provenance, scene)});
   add_spans(study, document);
   add_checks(study, document);
   add_stalls(study, document);

@@ -315,15 +315,15 @@ Document trade_document(const TradeResults& results, const TradePictures& pictur
   Document document{.title = "Trade of time against error",
                     .name = "trade",
                     .data = {{"trade.csv", trade_rows(results)}}};
-  document.add(Text{head_text(results)});
-  const std::string evaluation = evaluation_text(results);
-  if (!evaluation.empty()) document.add(Text{evaluation});
   for (const Part& part : results.parts) add_part(results, part, document);
   const auto& scores = results.parts.front().scores;
   if (scores.size() > results.work.plan.axes.size()) {
     add_effects(results, scores, document);
     add_shares(results, scores, document);
   }
+  document.add(Heading{"How it was measured"}).add(Text{head_text(results)});
+  const std::string evaluation = evaluation_text(results);
+  if (!evaluation.empty()) document.add(Text{evaluation});
   for (Detail& detail : trade_details(results, pictures)) document.add(std::move(detail));
   return document;
 }

@@ -275,12 +275,12 @@ class SceneTable {
   }
   void add_columns(const TuneLimit& limit) {
     const std::string key = key_of(limit.name);
+    if (!is_mean(limit.name)) table_.columns.push_back({"held_" + key, "holds"});
     table_.columns.push_back(column(limit.name, key, ""));
     table_.columns.push_back(
         column(limit.name,
                "bound_" + key,
                ", a further seed (at most " + significant(limit.most, 6) + ")"));
-    if (!is_mean(limit.name)) table_.columns.push_back({"held_" + key, "holds"});
   }
   void add_rows(const TradeScore& score,
                 const std::vector<NamedOptions>& scenes,
@@ -289,9 +289,9 @@ class SceneTable {
       std::vector<Cell> row = {scenes.at(one.scene).name, searched};
       for (const TuneLimit& limit : request_.limits) {
         const double bound = figure_of(one, of_scene(limit.name), true);
+        if (!is_mean(limit.name)) row.emplace_back(bound <= limit.most ? "yes" : "no");
         row.push_back(cell(figure_of(one, of_scene(limit.name), false)));
         row.push_back(cell(bound));
-        if (!is_mean(limit.name)) row.emplace_back(bound <= limit.most ? "yes" : "**no**");
       }
       row.push_back(cell(figure_of(one, request_.least, false)));
       table_.add(std::move(row));

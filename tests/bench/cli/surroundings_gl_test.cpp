@@ -39,21 +39,29 @@ TEST_F(Surroundings, ThePageIsOpenedAndDoesNotFailWhereNothingOpensIt) {
   fs::permissions(at("xdg-open"), fs::perms::owner_all);
   const Words words = with(words_of("phantom --open --out out"), {kSphere});
   const std::string opened = at("opened").string();
-  const auto result = bench(
-      words,
-      {.environment = {{"PATH", folder_.path().string() + ":/usr/bin:/bin"}, {"OPENED", opened}}});
+  const auto result = bench(words,
+                            {.environment = {{"PATH", folder_.path().string() + ":/usr/bin:/bin"},
+                                             {"OPENED", opened},
+                                             {"DISPLAY", ":0"}}});
   EXPECT_EQ(result.exit_code, 0) << result.err;
   while (!fs::exists(opened) || fs::file_size(opened) == 0) {
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
   }
   EXPECT_EQ(fs::path(bytes_of(opened)), fs::weakly_canonical(at("out/report.html")));
-  expect_line(bench(words, {.environment = {{"PATH", at("out").string()}}}),
+  expect_line(bench(words, {.environment = {{"PATH", at("out").string()}, {"DISPLAY", ":0"}}}),
               0,
               "warning: --open: xdg-open cannot be started: ");
   folder_.write("xdg-open", "#!/bin/sh\nexit 3\n");
-  expect_line(bench(words, {.environment = {{"PATH", folder_.path().string() + ":/usr/bin:/bin"}}}),
+  const std::string path = folder_.path().string() + ":/usr/bin:/bin";
+  expect_line(bench(words, {.environment = {{"PATH", path}, {"DISPLAY", ":0"}}}),
               0,
               "warning: --open: xdg-open failed: exit code 3; the page is ");
+  expect_line(
+      bench(words,
+            {.environment =
+                 {{"PATH", path}, {"DISPLAY", ""}, {"WAYLAND_DISPLAY", ""}, {"BROWSER", ""}}}),
+      0,
+      "warning: --open: there is no desktop");
 }
 
 /// By the system, for want of memory, or the clock: the file may be good.

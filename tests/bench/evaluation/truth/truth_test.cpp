@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <optional>
@@ -58,6 +59,46 @@ TEST(Truth, SphereIsWhereItsEquationSays) {
     }
     EXPECT_GT(compared, 100);
   }
+}
+
+double cut_percent(const ResolvedScene& scene) {
+  return cut_by_box_percent(*scene.subject(), scene.plan(), scene.view());
+}
+
+/// By symmetry: a box that ends at the ball's middle cuts half of what is seen off, and one that
+/// ends there to two sides three quarters.
+TEST(Truth, WhatTheBoxCutsOffABallIsAShareOfItsArea) {
+  const auto cut = [](const std::string& center_mm) {
+    return cut_percent(stage({"phantom.name=sphere",
+                              "phantom.radius_mm=15",
+                              "placement.position_mm=[0,0,110]",
+                              "render.volume_of_interest.size_mm=[60,60,60]",
+                              "render.volume_of_interest.center_mm=" + center_mm}));
+  };
+  EXPECT_EQ(cut("[0,0,110]"), 0);
+  EXPECT_NEAR(cut("[-30,0,110]"), 50, 0.5);
+  EXPECT_NEAR(cut("[30,-30,110]"), 75, 0.5);
+}
+
+/// Of a head that turns the box leaves nothing out, and the default's box stays where it was.
+TEST(Truth, TheBoxFollowsTheHeadsPose) {
+  const auto head = [](const std::string& yaw, const std::string& pitch, const std::string& roll) {
+    return stage({"phantom.voxel_mm=2",
+                  "phantom.head_yaw_deg=" + yaw,
+                  "phantom.head_pitch_deg=" + pitch,
+                  "phantom.head_roll_deg=" + roll});
+  };
+  for (const auto& [yaw, pitch, roll] : {std::array{"-40", "-4", "-5"},
+                                         std::array{"18", "-4", "-5"},
+                                         std::array{"40", "-4", "-5"},
+                                         std::array{"8", "-4", "40"},
+                                         std::array{"20", "-30", "-40"}}) {
+    EXPECT_LT(cut_percent(head(yaw, pitch, roll)), 0.15) << yaw << " " << pitch << " " << roll;
+  }
+  const ResolvedScene still = head("8", "-4", "-5");
+  EXPECT_EQ(cut_percent(still), 0);
+  const glm::dvec3 size_m = still.render().volume_of_interest.size_m;
+  EXPECT_NEAR(glm::distance(size_m, {80e-3, 94.8533833046e-3, 60e-3}), 0, 1e-9);
 }
 
 TEST(Truth, FallingEdgeOfASphereIsItsBack) {
