@@ -38,7 +38,8 @@ std::string uncorrected_text(const std::string& unknown) {
   return unknown +
          ", so that nothing is corrected for the width of its beam: the surface is an iso-surface "
          "before the skin, on a face by half of the beam's width there (median: 1.2 mm for a beam "
-         "2.4 mm wide, 2.3 mm for one of 4.3 mm), and further where the skin is tilted to the "
+         "2.4 mm wide, 2.3 mm for one of 4.3 mm; 1.4 times that in a scan with a scanner's clutter "
+         "and smoothing), and further where the skin is tilted to the "
          "beam; "
          "a geometry file or probe.* can give the aperture (docs/exchange.md)";
 }
