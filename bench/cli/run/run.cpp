@@ -165,22 +165,38 @@ void warn_of_picture(const RunResult& result, const ResolvedScene& scene, Progre
   for (const auto& warning : picture_warnings(result.picture, scene, error)) progress.warn(warning);
 }
 
+/// What a volume shows, as far as its sticks reach.
+struct TrueVolume {
+  StickReach reach;
+  Truth surface;
+};
+
+TrueVolume true_volume(const ResolvedScene& scene,
+                       const sim::TissueMapSource& maps,
+                       std::uint32_t volume) {
+  StickReach reach(scene, maps, volume);
+  Truth surface = true_surface(scene, scene.view(), reach, volume);
+  return {std::move(reach), std::move(surface)};
+}
+
 /// The picture against the scene's truth; nullopt where that is not known.
 std::optional<Comparison> compare(const RunResult& result,
                                   const ResolvedScene& scene,
                                   const sim::TissueMapSource& maps,
+                                  std::future<TrueVolume> begun,
                                   const RunArguments& arguments,
                                   Progress& progress) {
-  if (!scene.subject()) return std::nullopt;
+  if (!begun.valid()) return std::nullopt;
   const std::uint32_t volume = result.acquisition.volume.volume_index();
   std::optional<StickReach> reach;
   TrueView truth = progress.step("truth", [&] {
-    reach.emplace(scene, maps, volume);
-    Truth surface = true_surface(scene, scene.view(), *reach, volume);
+    TrueVolume shown = begun.get();
+    if (volume != 0) shown = true_volume(scene, maps, volume);  // of a recording
+    reach = std::move(shown.reach);
     if (result.motor.matters(scene.plan())) {
-      mark_outside(surface, result.motor, scene.plan().geometry(), scene.view().camera);
+      mark_outside(shown.surface, result.motor, scene.plan().geometry(), scene.view().camera);
     }
-    return TrueView(std::move(surface), scene.view().camera);
+    return TrueView(std::move(shown.surface), scene.view().camera);
   });
   Image<glm::vec3> shaded;
   PictureMeasures error = progress.step("compare", [&] {
@@ -286,19 +302,24 @@ int run(const RunArguments& from_line) {
     if (given.given.contains("render.pipeline.mid_volume")) {
       progress.warn("render.pipeline.mid_volume: without effect: `run` renders a whole volume");
     }
+    const sim::TissueMapSource maps = kept_maps(cache.tissue_maps());
+    // Of the simulator's volume, beside its samples and their picture. Invalid: not known.
+    std::future<TrueVolume> truth;
+    if (scene.subject()) {
+      truth = std::async(std::launch::async, [&] { return true_volume(scene, maps, 0); });
+    }
     const ChosenRenderer chosen_renderer(*context, scene);
     std::future<void> compiled;
     if (chosen_renderer.renderer) compiled = chosen_renderer.renderer->compile_in_background();
-    const sim::TissueMapSource maps = kept_maps(cache.tissue_maps());
     const auto source = progress.step("scene", [&] { return board.connect(scene, maps); });
     if (chosen_renderer.renderer) progress.step("shaders", [&] { compiled.get(); });
 
     RunResult result =
         progress.step("stream", [&] { return stream_volume(board, source, chosen_renderer); });
-    result.kept = cache.kept();
     result.motor = hw::motor_deviation(result.acquisition.volume);
     warn_of_samples(result, board, scene, progress);
-    result.comparison = compare(result, scene, maps, arguments, progress);
+    result.comparison = compare(result, scene, maps, std::move(truth), arguments, progress);
+    result.kept = cache.kept();
     warn_of_picture(result, scene, progress);
     if (arguments.count_work) {
       result.counted = progress.step(
@@ -306,12 +327,14 @@ int run(const RunArguments& from_line) {
     }
 
     const auto tolerance = choice ? std::optional(tolerance_result(*choice, result)) : std::nullopt;
-    progress.step("write", [&] { stage_run_images(out, result, scene); });
     const std::string summary = run_summary(result, scene, out.directory(), tolerance);
+    std::future<Document> document =
+        std::async(std::launch::async, [&] { return run_document(result, scene, summary); });
+    progress.step("write", [&] { stage_run_images(out, result, scene); });
     CommandResult done{.report = run_report(result, scene, progress.times(), tolerance),
                        .summary = summary,
                        .failure = {},
-                       .document = run_document(result, scene, summary)};
+                       .document = document.get()};
     for (Check& check : checks_of(result, tolerance, arguments)) add_check(std::move(check), done);
     const PictureMeasures* const error = result.comparison ? &result.comparison->error : nullptr;
     check_limits(

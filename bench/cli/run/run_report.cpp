@@ -42,8 +42,8 @@ std::string volume_line(const RunResult& result, const ResolvedScene& scene) {
            display_scale_text(acquisition.display_scale) + "\n";
   }
   const SimulatedVolume& simulated = *acquisition.simulated;
-  return sound + "simulated in " + rounded(simulated.volume_ms) +
-         " ms (before the first: " + rounded(simulated.map_ms) + " ms for the tissue map" +
+  return sound + "simulated in " + rounded(simulated.volume_ms) + " ms (before the first: waited " +
+         rounded(simulated.map_ms) + " ms for the tissue map" +
          (result.kept.tissue_map ? ", cached, " : ", ") + rounded(simulated.once_ms) +
          " ms for beam and speckle)\nsimulator   " + sim::to_string(simulated.fidelity.rung) +
          ": " + simulated.fidelity.reason + "\n";

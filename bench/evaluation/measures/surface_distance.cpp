@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <glm/geometric.hpp>
 #include <numeric>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -129,14 +130,17 @@ double DepthSurface::distance_m(const glm::dvec3& position_m) const {
 SurfaceDistance surface_distance(const Image<float>& depth_m,
                                  const Truth& truth,
                                  const render::Camera& camera) {
-  const DepthSurface found(depth_m, camera), visible(truth.depth_m, camera);
-  std::vector<double> to_true;
-  if (truth.crossing_m.pixels.empty()) {
-    to_true = distances(found, visible);
-  } else {
-    to_true = distances(found, DepthSurface(truth.crossing_m, camera));
-  }
-  const std::vector<double> to_found = distances(visible, found);
+  const bool knows_crossings = !truth.crossing_m.pixels.empty();
+  const std::array maps_m = {
+      &depth_m, &truth.depth_m, knows_crossings ? &truth.crossing_m : &truth.depth_m};
+  std::array<std::optional<DepthSurface>, maps_m.size()> surfaces;
+  parallel_rows(static_cast<int>(maps_m.size()), [&](int i) {
+    const auto which = static_cast<std::size_t>(i);
+    surfaces[which].emplace(*maps_m[which], camera);
+  });
+  const auto& [found, visible, there] = surfaces;
+  std::vector<double> to_true = distances(*found, *there);
+  const std::vector<double> to_found = distances(*visible, *found);
   SurfaceDistance result{directed(to_true), directed(to_found)};
   result.hausdorff95_m = result.found_to_true.n == 0 || result.true_to_found.n == 0
                              ? kUnset
