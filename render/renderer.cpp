@@ -137,8 +137,10 @@ struct Renderer::Pipeline {
     return *beam;
   }
 
-  /// One pixel of each draw of all passes, of an empty volume.
+  /// One pixel of each draw of all passes, of an empty volume; and what the first volume would
+  /// compute once.
   void compile() {
+    if (has_stick_levels(options)) beam_widths();
     const DrawsOfOnePixel draws;
     std::vector<int> layers(static_cast<std::size_t>(incoming->slices().extent().depth));
     std::iota(layers.begin(), layers.end(), 0);

@@ -118,7 +118,7 @@ class Renderer {
 
   /// Draws a pixel of each pass, for drivers that compile a program at its first draw: llvmpipe
   /// does, which takes most of the first picture's time unless Mesa's disk cache has it. To be
-  /// called before the first frame; changes no picture.
+  /// called before the frames of a whole volume; changes no picture of that.
   void compile();
   /// The same on a thread of its own, to which the context and the renderer belong until get(),
   /// which throws what compile() throws.

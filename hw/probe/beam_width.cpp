@@ -7,6 +7,7 @@
 #include <glm/geometric.hpp>
 #include <glm/vec2.hpp>
 #include <stdexcept>
+#include <vector>
 
 #include "base/units.h"
 
@@ -36,21 +37,38 @@ double directivity(const Aperture& aperture, double wave_number, double sine) {
   return std::abs(phase) < 1e-6 ? 1 : std::sin(phase) / phase;
 }
 
-double pressure(const Aperture& aperture, double wave_number, glm::dvec2 point_m) {
+struct Source {
+  glm::dvec2 position_m;
+  glm::dvec2 normal;
+  double focus_distance_m;
+};
+
+std::vector<Source> sources_of(const Aperture& aperture, double wave_number) {
   const glm::dvec2 focus_m(0, aperture.focus_m);
   const int count = aperture.sources(wave_number);
-  std::complex<double> sum;
+  std::vector<Source> sources;
   for (int i = 0; i < count; ++i) {
     const double angle = ((i + 0.5) / count - 0.5) * aperture.length_m / aperture.radius_m;
     const glm::dvec2 normal(std::sin(angle), std::cos(angle));
     const glm::dvec2 source_m = aperture.radius_m * (normal - glm::dvec2(0, 1));
-    const double distance_m = glm::distance(point_m, source_m);
-    const glm::dvec2 towards = (point_m - source_m) / distance_m;
-    const double sine = towards.x * normal.y - towards.y * normal.x;
-    sum += std::polar(directivity(aperture, wave_number, sine),
-                      wave_number * (distance_m - glm::distance(focus_m, source_m)));
+    sources.push_back({source_m, normal, glm::distance(focus_m, source_m)});
   }
-  return std::abs(sum) / count;
+  return sources;
+}
+
+double pressure(const Aperture& aperture,
+                const std::vector<Source>& sources,
+                double wave_number,
+                glm::dvec2 point_m) {
+  std::complex<double> sum;
+  for (const Source& source : sources) {
+    const double distance_m = glm::distance(point_m, source.position_m);
+    const glm::dvec2 towards = (point_m - source.position_m) / distance_m;
+    const double sine = towards.x * source.normal.y - towards.y * source.normal.x;
+    sum += std::polar(directivity(aperture, wave_number, sine),
+                      wave_number * (distance_m - source.focus_distance_m));
+  }
+  return std::abs(sum) / static_cast<int>(sources.size());
 }
 
 /// A distance from the axis beyond which there is next to no beam: diffraction and the spread
@@ -73,12 +91,15 @@ double width_m(const Aperture& transmit,
       std::min(reach_m(transmit, wave_number, range_m), reach_m(receive, wave_number, range_m)) /
       kPositions;
   std::array<double, kPositions + 1> profile{};
-  for (std::size_t i = 0; i < profile.size(); ++i) {
-    const glm::dvec2 point_m(static_cast<double>(i) * step_m, range_m);
-    for (const double x : kStandardDeviations) {
-      const double k = wave_number * std::max(1 + x * deviation, 0.1);
-      profile[i] +=
-          std::exp(-0.5 * x * x) * pressure(transmit, k, point_m) * pressure(receive, k, point_m);
+  for (const double x : kStandardDeviations) {
+    const double k = wave_number * std::max(1 + x * deviation, 0.1);
+    const auto sent_from = sources_of(transmit, k), received_at = sources_of(receive, k);
+    for (std::size_t i = 0; i < profile.size(); ++i) {
+      const glm::dvec2 point_m(static_cast<double>(i) * step_m, range_m);
+      const double sent = pressure(transmit, sent_from, k, point_m);
+      const double received =
+          &receive == &transmit ? sent : pressure(receive, received_at, k, point_m);
+      profile[i] += std::exp(-0.5 * x * x) * sent * received;
     }
   }
   const double half = 0.5 * *std::ranges::max_element(profile);
