@@ -88,8 +88,8 @@ class Study {
     if (note_) note_(planned.name + " " + rung + " " + setting.name);
     const RenderSetting rendered = evaluator.render_setting(setting.scene);
     const render::RenderOptions& options = rendered.options;
-    Evaluation evaluation = evaluator.evaluate(rendered);
-    const double render_ms = evaluator.time_picture(rendered).volume_ms;
+    Evaluation evaluation = evaluator.evaluate(rendered, {.measures = {}, .picture_time = true});
+    const double render_ms = evaluation.picture_time.volume_ms;
     add_rows({planned.name, rung, setting.name, seed, {}, render_ms}, evaluation);
     add_times(evaluation.times);
     parts_.finish_one();

@@ -62,6 +62,13 @@ hw::PolarVolume volume_of(const sim::ProbeSimulator& simulator) {
   return volume;
 }
 
+PictureTime time_of(const render::Picture& picture) {
+  PictureTime time;
+  for (const render::PassTime& pass : picture.passes) time.volume_ms += pass.ms;
+  time.view_ms = time.volume_ms - picture.passes.front().ms;
+  return time;
+}
+
 }  // namespace
 
 Evaluator::Evaluator(const Scene& scene, render::GlContext& context, PhantomCache& cache)
@@ -132,6 +139,7 @@ Evaluator::LivingRenderer& Evaluator::living_renderer(const render::RenderOption
   if (kept != renderers_.end() && (is_spare || most_renderers_ == 1)) {
     kept->renderer->set_options(options);
     kept->options = options;
+    kept->is_compiled = false;
     return last(kept);
   }
   if (renderers_.size() >= most_renderers_) renderers_.pop_front();
@@ -142,10 +150,15 @@ Evaluator::LivingRenderer& Evaluator::living_renderer(const render::RenderOption
   return living;
 }
 
-render::Renderer& Evaluator::renderer_of(const render::RenderOptions& options) {
+/// `as_new`: with the sticks as a new volume, and compiled, so that the next picture takes no
+/// longer than others.
+render::Renderer& Evaluator::renderer_of(const render::RenderOptions& options, bool as_new) {
   LivingRenderer& living = living_renderer(options);
-  if (std::exchange(living.scan, scans_) != scans_) living.renderer->add_volume(sticks());
-  return *living.renderer;
+  render::Renderer& renderer = *living.renderer;
+  if (as_new && !std::exchange(living.is_compiled, true)) renderer.compile();
+  const bool has_sticks = std::exchange(living.scan, scans_) == scans_;
+  if (as_new || !has_sticks) renderer.add_volume(sticks());
+  return renderer;
 }
 
 ProgramRenderer& Evaluator::program_of(const ProgramSetting& setting) {
@@ -157,23 +170,25 @@ ProgramRenderer& Evaluator::program_of(const ProgramSetting& setting) {
 }
 
 render::Picture Evaluator::picture_of(const RenderSetting& setting,
-                                      double& renderer_ms,
-                                      double& render_ms) {
+                                      bool as_new,
+                                      EvaluationTimes& times) {
   if (setting.program.any()) {
     ProgramRenderer& program =
-        timed(renderer_ms, [&]() -> ProgramRenderer& { return program_of(setting.program); });
-    return timed(render_ms, [&] { return program.render(sticks(), setting.options); });
+        timed(times.renderer_ms, [&]() -> ProgramRenderer& { return program_of(setting.program); });
+    return timed(times.render_ms, [&] { return program.render(sticks(), setting.options); });
   }
-  render::Renderer& renderer =
-      timed(renderer_ms, [&]() -> render::Renderer& { return renderer_of(setting.options); });
-  return timed(render_ms, [&] { return renderer.render(); });
+  render::Renderer& renderer = timed(times.renderer_ms, [&]() -> render::Renderer& {
+    return renderer_of(setting.options, as_new);
+  });
+  return timed(times.render_ms, [&] { return renderer.render(); });
 }
 
 Evaluation Evaluator::evaluate(const RenderSetting& setting, const EvaluationChoice& choice) {
   Evaluation result;
   EvaluationTimes& times = result.times;
   const render::RenderOptions& options = setting.options;
-  result.picture = picture_of(setting, times.renderer_ms, times.render_ms);
+  result.picture = picture_of(setting, choice.picture_time, times);
+  if (choice.picture_time) result.picture_time = time_of(result.picture);
   const TrueView& view = timed(times.truth_ms, [&]() -> const TrueView& { return truth(options); });
   const auto* shaded = choice.measures.shaded
                            ? timed(times.truth_ms, [&] { return shaded_truth(options); })
@@ -191,18 +206,8 @@ Evaluation Evaluator::evaluate(const RenderSetting& setting, const EvaluationCho
 }
 
 PictureTime Evaluator::time_picture(const RenderSetting& setting) {
-  render::Picture picture;
-  if (setting.program.any()) {
-    picture = program_of(setting.program).render(sticks(), setting.options);
-  } else {
-    render::Renderer& renderer = renderer_of(setting.options);
-    renderer.add_volume(sticks());
-    picture = renderer.render();
-  }
-  PictureTime time;
-  for (const render::PassTime& pass : picture.passes) time.volume_ms += pass.ms;
-  time.view_ms = time.volume_ms - picture.passes.front().ms;
-  return time;
+  EvaluationTimes ignored;
+  return time_of(picture_of(setting, true, ignored));
 }
 
 }  // namespace wobblebench::bench

@@ -30,11 +30,18 @@ struct EvaluationTimes {
   double registration_ms = 0;
 };
 
+/// Time of one picture, in ms: the sum over the passes.
+struct PictureTime {
+  double volume_ms = 0;  ///< of a new volume: all passes
+  double view_ms = 0;    ///< of a volume that is there: passes 2 to 4
+};
+
 struct Evaluation {
   PictureMeasures measures;
   std::optional<Registration> registration;  ///< none: not asked for
   render::Picture picture;
   EvaluationTimes times;
+  PictureTime picture_time;  ///< 0: not asked for
 };
 
 /// How a picture is rendered: by our renderer, or by a program of others.
@@ -47,15 +54,10 @@ struct RenderSetting {
   ProgramSetting program;
 };
 
-/// Time of one picture, in ms: the sum over the passes.
-struct PictureTime {
-  double volume_ms = 0;  ///< of a new volume: all passes
-  double view_ms = 0;    ///< of a volume that is there: passes 2 to 4
-};
-
 struct EvaluationChoice {
   MeasureChoice measures;
   bool registration = false;
+  bool picture_time = false;
 };
 
 /// All calls come from the thread that owns the context. Only volume 0 is looked at.
@@ -90,8 +92,8 @@ class Evaluator {
 
   /// Needs sticks. Throws InvalidOption, and as render::Renderer does.
   Evaluation evaluate(const RenderSetting& setting, const EvaluationChoice& choice = {});
-  /// Gives the sticks to the renderer once more and times the picture. The first picture of a
-  /// setting takes longer than others: evaluate() before. Throws as evaluate().
+  /// Times the picture of a new volume, which the sticks are given as, by programs that are
+  /// compiled. Throws as evaluate().
   PictureTime time_picture(const RenderSetting& setting);
   /// The truth of a view, with what the sticks' rung cannot hear.
   const TrueView& truth(const render::RenderOptions& options);
@@ -100,13 +102,14 @@ class Evaluator {
   struct LivingRenderer {
     std::unique_ptr<render::Renderer> renderer;
     render::RenderOptions options;
-    std::uint64_t scan = 0;  ///< whose sticks it has; 0: none
+    std::uint64_t scan = 0;    ///< whose sticks it has; 0: none
+    bool is_compiled = false;  ///< for these options
   };
 
-  render::Picture picture_of(const RenderSetting& setting, double& renderer_ms, double& render_ms);
+  render::Picture picture_of(const RenderSetting& setting, bool as_new, EvaluationTimes& times);
   ProgramRenderer& program_of(const ProgramSetting& setting);
   LivingRenderer& living_renderer(const render::RenderOptions& options);
-  render::Renderer& renderer_of(const render::RenderOptions& options);
+  render::Renderer& renderer_of(const render::RenderOptions& options, bool as_new);
   const Image<glm::vec3>* shaded_truth(const render::RenderOptions& options);
   const StickReach& reach();
 

@@ -80,8 +80,8 @@ std::string evaluation_text(const TradeResults& results) {
   const auto median = [](const std::vector<double>& times) {
     return fixed(quantile(times, 0.5), 0) + " ms";
   };
-  return "An evaluation (a setting's first picture and its measures, without the timing in turn) "
-         "took " +
+  return "An evaluation (a setting's picture of a new volume and its measures, without the "
+         "reference's picture in turn) took " +
          fixed(quartiles.median, 0) + " ms (quartiles " + fixed(quartiles.lower, 0) + " to " +
          fixed(quartiles.upper, 0) + "), that is " + fixed(1000 / quartiles.median, 1) +
          " a second: medians " + median(renderer) + " for the renderer, " + median(render) +

@@ -329,14 +329,15 @@ void TradeMeasurement::measure(const TradeUnit& unit, const Scene& scene, TradeR
   Reference& reference = reference_of(unit.scene);
   Evaluator& evaluator = scan_of(unit, scene).evaluator;
   const RenderSetting options = evaluator.render_setting(scene);
-  const EvaluationChoice choice{{.shaded = false, .distance = false}, false};
+  const EvaluationChoice choice{.measures = {.shaded = false, .distance = false},
+                                .picture_time = true};
   const Evaluation evaluation = evaluator.evaluate(options, choice);
   record.measures = trade_measures(evaluation.measures);
   record.evaluation = evaluation.times;
   std::vector<TradeTimes> repeats;
   for (int i = 0; i < work_.plan.repeats; ++i) {
     const PictureTime theirs = reference.evaluator.time_picture(reference.options);
-    const PictureTime mine = evaluator.time_picture(options);
+    const PictureTime mine = i == 0 ? evaluation.picture_time : evaluator.time_picture(options);
     repeats.push_back({mine.volume_ms,
                        mine.view_ms,
                        mine.volume_ms / theirs.volume_ms,

@@ -75,6 +75,23 @@ TEST(Evaluator, DoesNotDependOnWhatWasEvaluatedBefore) {
   }
 }
 
+/// The one picture is measured and timed, with the volume's own pass, also where a renderer takes
+/// other options for the volume that it has.
+TEST(Evaluator, APictureThatIsTimedIsTheSameAndTimesAllPasses) {
+  PhantomCache cache;
+  Evaluator timed = scanned(cache, 1), untimed = scanned(cache, 1);
+  render::RenderOptions options = timed.scene().render();
+  for (const double yaw_deg : {0.0, 10.0, 20.0, 10.0}) {
+    options.view.yaw_rad = yaw_deg * kDegree;
+    const Evaluation a = timed.evaluate(options, {.measures = {}, .picture_time = true});
+    const Evaluation b = untimed.evaluate(options);
+    expect_same_depths(a.picture, b.picture);
+    EXPECT_EQ(a.measures.raw.depth.rms_m, b.measures.raw.depth.rms_m);
+    EXPECT_GT(a.picture_time.view_ms, 0);
+    EXPECT_GT(a.picture_time.volume_ms, a.picture_time.view_ms);
+  }
+}
+
 TEST(Evaluator, MeasuresOnlyWhatIsAskedFor) {
   PhantomCache cache;
   // Few pixels of a ball, which can be turned at will: with seeds 1 and 7 of 8 the fit stays short.
