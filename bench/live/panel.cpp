@@ -299,7 +299,7 @@ nlohmann::ordered_json LivePanel::status() const {
   const bool has_subject = is_known && state_->scene.subject().has_value();
   json["idle"] = idle_json(scene,
                            json["values"],
-                           with_scan() ? SampleSource::simulator
+                           with_scan()   ? SampleSource::simulator
                            : has_subject ? SampleSource::recording_of_scene
                                          : SampleSource::unknown_subject);
   return json;

@@ -27,8 +27,8 @@ std::vector<HistoryRecord> before(std::vector<HistoryRecord> history, const Meas
 /// the same settings. No runs where there are none. Times are in it; they are of other hours.
 MeasuredSide median_side(const std::vector<HistoryRecord>& earlier, const MeasuredSide& now);
 
-/// As COMMIT_SETTINGS.json in the folder, which is made if it is missing; whole, or not at all. Throws
-/// std::runtime_error where it cannot be written.
+/// As COMMIT_SETTINGS.json in the folder, which is made if it is missing; whole, or not at all.
+/// Throws std::runtime_error where it cannot be written.
 void write_record(const std::filesystem::path& folder, const HistoryRecord& record);
 
 /// Now, as HistoryRecord has it.

@@ -128,7 +128,8 @@ TEST_F(Tune, SaysThatNothingWasFoundAndWritesNoScene) {
   // above.
   const std::regex nearest(
       "wobblebench: tune: no setting was found within the limits; nearest: point [0-9]+ "
-      "\\([a-z_]+ [0-9.]+, .*\\): p95_mm [0-9.]+ on ball, of at most 0.0001 \\([0-9.e+]+ % above\\)\n");
+      "\\([a-z_]+ [0-9.]+, .*\\): p95_mm [0-9.]+ on ball, of at most 0.0001 \\([0-9.e+]+ % "
+      "above\\)\n");
   EXPECT_TRUE(std::regex_search(result.err, nearest)) << result.err;
   EXPECT_FALSE(fs::exists(at("out/tuned.toml")));
   EXPECT_TRUE(fs::exists(at("out/tune.md")));
