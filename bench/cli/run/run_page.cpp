@@ -228,6 +228,17 @@ void add_errors(const PictureResult& result, const ResolvedScene& scene, Documen
   page.add(region_table(error));
 }
 
+/// How far the picture is from the truth; where that is not known, that it is not.
+void add_answer(const PictureResult& result, Document& page) {
+  static constexpr const Measure* kAnswer[] = {
+      &error::kP95, &error::kMedian, &error::kMissedSurface, &error::kFalse, &error::kNormalMedian};
+  if (!result.comparison) {
+    page.add(Text{"What the samples are of is not known: the picture is compared with nothing."});
+  } else {
+    page.add(key_figures(described(result.comparison->error, ExpectedSurface()), kAnswer));
+  }
+}
+
 // ---- labels
 
 void add_labels(const PictureResult& result, Document& page) {
@@ -299,8 +310,9 @@ Document run_document(const RunResult& result,
   const bool known = scene.subject().has_value();
   Document page{.title = "wobblebench run: " +
                          (known ? scene.options().phantom.name : std::string("a recording"))};
-  page.add(Text{summary_list(summary)});
+  add_answer(result, page);
   add_surfaces(result, scene, page);
+  page.add(Heading{"This run"}).add(Text{summary_list(summary)});
   add_map(result, scene, page);
   add_errors(result, scene, page);
   add_labels(result, page);
@@ -315,8 +327,9 @@ Document score_document(const PictureResult& result,
                         const ResolvedScene& scene,
                         const std::string& summary) {
   Document page{.title = "wobblebench score: " + scene.options().phantom.name};
-  page.add(Text{summary_list(summary)});
+  add_answer(result, page);
   add_surfaces(result, scene, page);
+  page.add(Heading{"This score"}).add(Text{summary_list(summary)});
   add_map(result, scene, page);
   add_errors(result, scene, page);
   return page;

@@ -43,7 +43,7 @@ std::string volume_line(const RunResult& result, const ResolvedScene& scene) {
   }
   const SimulatedVolume& simulated = *acquisition.simulated;
   return sound + "simulated in " + rounded(simulated.volume_ms) + " ms (before the first: waited " +
-         rounded(simulated.map_ms) + " ms for the tissue map" +
+         fixed(simulated.map_ms, 0) + " ms for the tissue map" +
          (result.kept.tissue_map ? ", cached, " : ", ") + rounded(simulated.once_ms) +
          " ms for beam and speckle)\nsimulator   " + sim::to_string(simulated.fidelity.rung) +
          ": " + simulated.fidelity.reason + "\n";

@@ -1,6 +1,9 @@
 #include "bench/output/document/document.h"
 
+#include <cmath>
 #include <nlohmann/json.hpp>
+
+#include "base/number_text.h"
 
 namespace wobblebench::bench {
 
@@ -17,6 +20,14 @@ struct MarkdownOf {
   std::string operator()(const Heading& heading) const { return "## " + heading.text; }
   std::string operator()(const Text& text) const {
     return text.markdown.substr(0, text.markdown.find_last_not_of('\n') + 1);
+  }
+  std::string operator()(const KeyFigures& figures) const {
+    std::string list;
+    for (const KeyFigures::One& one : figures.all) {
+      const std::string unit = one.unit.empty() ? "" : " " + one.unit;
+      list += "- **" + one.title + "** " + one.value + unit + ": " + one.help + "\n";
+    }
+    return (*this)(Text{list});
   }
   std::string operator()(const Table& table) const { return (*this)(Text{markdown(table)}); }
   std::string operator()(const Figure& figure) const {
@@ -39,6 +50,17 @@ struct MarkdownOf {
 std::string chart_file(const Document& document, const Figure& figure) {
   const std::string prefix = document.name.empty() ? "" : document.name + "_";
   return prefix + figure.name + ".vl.json";
+}
+
+KeyFigures key_figures(const Measurements& found, Chosen measures) {
+  KeyFigures figures;
+  for (const Measure* measure : measures) {
+    const double value = found.value(*measure);
+    if (!std::isfinite(value)) continue;
+    const Unit& unit = unit_of(measure->key);
+    figures.all.push_back({measure->title, fixed(value, unit.digits), unit.name, measure->help});
+  }
+  return figures;
 }
 
 nlohmann::ordered_json tables_json(const Document& document) {

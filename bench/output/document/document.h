@@ -23,6 +23,19 @@ struct Text {
   std::string markdown;
 };
 
+/// The figures that answer what was asked, large.
+struct KeyFigures {
+  struct One {
+    std::string title;  ///< "P95"
+    std::string value;  ///< "1.31"
+    std::string unit;   ///< "mm"; empty: none
+    std::string help;   ///< what it is, in one sentence
+  };
+  std::vector<One> all;
+};
+/// Those of `measures` that are formed.
+KeyFigures key_figures(const Measurements& found, Chosen measures);
+
 /// A PNG that the command stages.
 struct Picture {
   std::string file;     ///< name in the output folder
@@ -88,6 +101,7 @@ struct CommandLine {
 
 using Block = std::variant<Heading,
                            Text,
+                           KeyFigures,
                            Table,
                            Figure,
                            Picture,

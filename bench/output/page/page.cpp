@@ -89,6 +89,15 @@ class HtmlOf {
     return "<h2" + attribute("id", slug(heading.text)) + ">" + escaped(heading.text) + "</h2>\n";
   }
   std::string operator()(const Text& text) const { return html_of_markdown(text.markdown); }
+  std::string operator()(const KeyFigures& figures) const {
+    std::string html = "<dl class=\"key-figures\">\n";
+    for (const KeyFigures::One& one : figures.all) {
+      html += "<div><dt>" + escaped(one.title) + "</dt><dd><strong>" + escaped(one.value) +
+              "</strong> " + escaped(one.unit) + "</dd><dd class=\"help\">" + escaped(one.help) +
+              "</dd></div>\n";
+    }
+    return html + "</dl>\n";
+  }
   std::string operator()(const Table& table) const {
     const std::string label = table.caption.empty() ? table.name : table.caption;
     std::string html = "<figure class=\"table\"" + attribute("id", "t-" + table.name) + ">\n" +

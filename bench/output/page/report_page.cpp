@@ -1,5 +1,6 @@
 #include "bench/output/page/report_page.h"
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 
 #include "bench/output/finished_report.h"
@@ -69,6 +70,13 @@ void add_scene(const Json& report, std::vector<Block>& blocks) {
   }
 }
 
+std::size_t leading_blocks(const Document& document) {
+  const auto figures = std::ranges::find_if(
+      document.blocks, [](const Block& one) { return std::holds_alternative<KeyFigures>(one); });
+  const auto all = static_cast<std::size_t>(figures - document.blocks.begin());
+  return all < document.blocks.size() ? all + 1 : 1;
+}
+
 }  // namespace
 
 std::string report_page(Document document,
@@ -77,8 +85,12 @@ std::string report_page(Document document,
                         const ReadPicture& read_picture) {
   const Json json = Json::parse(report);
   std::vector<Block> blocks;
-  add_warnings(json, blocks);
-  for (Block& block : document.blocks) blocks.push_back(std::move(block));
+  // What leads a document is the answer to what was asked: whether it holds, and its figures.
+  const std::size_t leading = leading_blocks(document);
+  for (std::size_t i = 0; i < document.blocks.size(); ++i) {
+    if (i == leading) add_warnings(json, blocks);
+    blocks.push_back(std::move(document.blocks[i]));
+  }
   blocks.emplace_back(Heading{"How it was made"});
   blocks.emplace_back(CommandLine{command_line});
   add_provenance(json, blocks);
