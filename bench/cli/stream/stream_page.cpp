@@ -94,12 +94,38 @@ Figure ages_figure(const StreamReport& report) {
   return {.name = "ages", .caption = caption, .panels = {chart}};
 }
 
+/// How old what is shown is, how often it changes, and what was lost.
+KeyFigures answer_of(const StreamReport& report) {
+  const StreamSummary& summary = report.summary;
+  const hw::BoardAccount& account = report.result.account;
+  KeyFigures answer;
+  const auto add = [&](const char* title, double value, int digits, const char* unit, auto help) {
+    if (std::isfinite(value)) answer.all.push_back({title, fixed(value, digits), unit, help});
+  };
+  const std::string from =
+      std::string("From ") + ages_from(summary) + " until the picture is ready";
+  add("Newest echo, P50", summary.age_newest.p50, 0, "ms", from);
+  add("Newest echo, P99", summary.age_newest.p99, 0, "ms", from);
+  add("Volumes shown",
+      summary.volumes_per_s,
+      2,
+      "/s",
+      "The limit: " + bottleneck_of(summary).stage);
+  add("Sticks lost",
+      static_cast<double>(account.lost.total()),
+      0,
+      "",
+      "Of " + std::to_string(account.emitted) + " that the probe sent");
+  return answer;
+}
+
 Document stream_document(const StreamReport& report, const ResolvedScene& scene) {
   const bool known = scene.subject().has_value();
   Document page{.title = "wobblebench stream: " +
                          (known ? scene.options().phantom.name : std::string("a recording"))};
-  page.add(Text{summary_list(stream_headline(report))});
+  page.add(answer_of(report));
   page.add(Picture{"surface.png", "The surface in the last picture of a whole volume."});
+  page.add(Heading{"This stream"}).add(Text{summary_list(stream_headline(report))});
   page.add(Heading{"Ages of the echoes"});
   page.add(ages_figure(report));
   page.add(percentile_table(report.summary));
