@@ -94,6 +94,8 @@ Figure ages_figure(const StreamReport& report) {
   return {.name = "ages", .caption = caption, .panels = {chart}};
 }
 
+namespace {
+
 /// How old what is shown is, how often it changes, and what was lost.
 KeyFigures answer_of(const StreamReport& report) {
   const StreamSummary& summary = report.summary;
@@ -118,6 +120,8 @@ KeyFigures answer_of(const StreamReport& report) {
       "Of " + std::to_string(account.emitted) + " that the probe sent");
   return answer;
 }
+
+}  // namespace
 
 Document stream_document(const StreamReport& report, const ResolvedScene& scene) {
   const bool known = scene.subject().has_value();
