@@ -84,26 +84,27 @@ inline constexpr Measure kEarsMissed{
 inline constexpr Measure kNormalMean{
     "normal_mean_deg", "normals, mean", "Mean angle to the true normal, as shaded"};
 inline constexpr Measure kNormalMedian{
-    "normal_median_deg", "normals, median", "Median of that angle"};
+    "normal_median_deg", "normals, median", "Median angle to the true normal, as shaded"};
 inline constexpr Measure kNormalP95{
-    "normal_p95_deg", "normals, P95", "95 % quantile of that angle"};
+    "normal_p95_deg", "normals, P95", "95 % quantile of the angle to the true normal, as shaded"};
 inline constexpr Measure kNormalPixels{
     "normal_pixels", "normals", "Pixels with both normals", Worse::neither};
 inline constexpr Measure kRawNormalMean{
     "raw_normal_mean_deg", "raw normals, mean", "Mean angle to the true normal, before pass 3"};
-inline constexpr Measure kRawNormalMedian{
-    "raw_normal_median_deg", "raw normals, median", "Median of that angle"};
+inline constexpr Measure kRawNormalMedian{"raw_normal_median_deg",
+                                          "raw normals, median",
+                                          "Median angle to the true normal, before pass 3"};
 inline constexpr Measure kRawNormalP95{
-    "raw_normal_p95_deg", "raw normals, P95", "95 % quantile of that angle"};
+    "raw_normal_p95_deg", "raw normals, P95", "95 % quantile of that angle, before pass 3"};
 inline constexpr Measure kRawNormalPixels{
     "raw_normal_pixels", "raw normals", "Pixels with both normals", Worse::neither};
 
 inline constexpr Measure kDistanceMean{
     "distance_mean_mm", "distance, mean", "Mean distance in space between the surfaces"};
 inline constexpr Measure kDistanceP95{
-    "distance_p95_mm", "distance, P95", "95 % quantile of that distance"};
+    "distance_p95_mm", "distance, P95", "95 % quantile of the distance in space"};
 inline constexpr Measure kDistanceMax{
-    "distance_max_mm", "distance, greatest", "Greatest of that distance in either direction"};
+    "distance_max_mm", "distance, greatest", "Greatest distance in space, in either direction"};
 inline constexpr Measure kDistancePixels{
     "distance_pixels", "distances", "Points with a distance, both directions", Worse::neither};
 inline constexpr Measure kHausdorff95{
