@@ -1,6 +1,7 @@
 #include "bench/output/page/report_page.h"
 
 #include <algorithm>
+#include <iterator>
 #include <nlohmann/json.hpp>
 
 #include "bench/output/finished_report.h"
@@ -74,7 +75,7 @@ std::size_t leading_blocks(const Document& document) {
   const auto figures = std::ranges::find_if(
       document.blocks, [](const Block& one) { return std::holds_alternative<KeyFigures>(one); });
   const auto all = static_cast<std::size_t>(figures - document.blocks.begin());
-  return all < document.blocks.size() ? all + 1 : 1;
+  return std::min(document.blocks.size(), all < document.blocks.size() ? all + 1 : 1);
 }
 
 }  // namespace
@@ -87,10 +88,10 @@ std::string report_page(Document document,
   std::vector<Block> blocks;
   // What leads a document is the answer to what was asked: whether it holds, and its figures.
   const std::size_t leading = leading_blocks(document);
-  for (std::size_t i = 0; i < document.blocks.size(); ++i) {
-    if (i == leading) add_warnings(json, blocks);
-    blocks.push_back(std::move(document.blocks[i]));
-  }
+  const auto rest = document.blocks.begin() + static_cast<std::ptrdiff_t>(leading);
+  std::move(document.blocks.begin(), rest, std::back_inserter(blocks));
+  add_warnings(json, blocks);
+  std::move(rest, document.blocks.end(), std::back_inserter(blocks));
   blocks.emplace_back(Heading{"How it was made"});
   blocks.emplace_back(CommandLine{command_line});
   add_provenance(json, blocks);

@@ -116,6 +116,23 @@ TEST(Page, SaysThatAPictureIsCompressed) {
   EXPECT_EQ(count(page, "A face. Compressed on this page; large.png is exact."), 1);
 }
 
+TEST(ReportPage, BeginsWithTheAnswerAndThenWarns) {
+  Document document{.title = "run"};
+  document.add(Text{"Failed: a limit"})
+      .add(KeyFigures{{{"P95", "1.31", "mm", "Of the error"}}})
+      .add(Text{"The rest"});
+  const std::string page = report_page(
+      document, R"({"warnings": ["few sticks"]})", "", [](const std::string&) { return ""; });
+  std::size_t last = page.find("</head>");
+  for (const char* part :
+       {"Failed: a limit", "<strong>1.31</strong> mm", "few sticks", "The rest"}) {
+    const std::size_t at = page.find(part);
+    ASSERT_NE(at, std::string::npos) << part;
+    EXPECT_GT(at, last) << part;
+    last = at;
+  }
+}
+
 TEST(ReportPage, SaysWhatTheCommandWarnedOfAndHowItWasMade) {
   const std::string page = report_page({.title = "run"},
                                        R"({"provenance": {"cpu": "a CPU", "load": {"x": 1}},
