@@ -89,10 +89,9 @@ Chart chart_of(const std::vector<const HistoryRecord*>& records,
   chart.series.push_back(std::move(values));
   // Times of other hours are shown, and judged by no limit.
   if (!std::isfinite(median) || kind_of_figure(limit.figure) == FigureKind::time) return chart;
-  const auto last = static_cast<double>(records.size() - 1);
   for (const double end : ends_of(limit, median)) {
     chart.series.push_back({.name = chart.series.size() == 1 ? "limit" : "",
-                            .x = {0, last},
+                            .x = {0, static_cast<double>(records.size() - 1)},
                             .y = {end, end},
                             .stroke = Stroke::dashed,
                             .colour = 1});
@@ -136,8 +135,8 @@ MeasuredSide median_side(const std::vector<HistoryRecord>& earlier, const Measur
       }
     }
     if (values.empty()) continue;
-    MeasuredRun& middle = median.runs.emplace_back(run.scene, run.seed);
-    for (auto& [figure, all] : values) middle.figures[figure] = quantile(std::move(all), 0.5);
+    RunFigures& middle = median.runs.emplace_back(MeasuredRun{run.scene, run.seed, {}}).figures;
+    for (auto& [figure, all] : values) middle[figure] = quantile(std::move(all), 0.5);
     median.settings[run.scene] = now.settings.at(run.scene);
   }
   median.what = "median of " + std::to_string(used.size()) + " earlier commits";

@@ -88,7 +88,7 @@ FigureKind kind_of_figure(const std::string& name) {
 
 Worse worse_of(const std::string& name) {
   if (name == kPictureSsim.key) return kPictureSsim.worse;
-  const auto measures = picture_measures();
+  const auto& measures = picture_measures();
   const auto found = std::ranges::find(measures, name, &Measure::key);
   return found == measures.end() ? Worse::higher : (*found)->worse;
 }

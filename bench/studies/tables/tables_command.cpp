@@ -100,8 +100,9 @@ CommandResult measure_and_write(Scene scene,
   Provenance provenance = provenance_of(context, volumes);
   provenance.seed = scene.simulation.seed;
   Document document = tables_document(results, run, volumes.note, provenance);
-  return {.report = report_text(tables_report(volumes, results, run, provenance, scene, document)),
-          .document = std::move(document)};
+  const std::string report =
+      report_text(tables_report(volumes, results, run, provenance, scene, document));
+  return {.report = report, .document = std::move(document)};
 }
 
 int measure(const TablesArguments& arguments) {
