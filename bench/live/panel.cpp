@@ -263,12 +263,7 @@ nlohmann::ordered_json idle_json(const Scene& scene,
                                  const nlohmann::ordered_json& values,
                                  SampleSource source) {
   std::set<std::string> keys;
-  const nlohmann::ordered_json flat = values.flatten();
-  for (const auto& [pointer, value] : flat.items()) {
-    std::string key = pointer.substr(1);
-    std::ranges::replace(key, '/', '.');
-    keys.insert(key);
-  }
+  for (const auto& [key, value] : values_by_key(values)) keys.insert(key);
   nlohmann::ordered_json idle = nlohmann::ordered_json::object();
   for (const IdleOption& option : idle_options(scene, keys, source)) {
     idle[option.key] = option.acts_with;

@@ -346,6 +346,17 @@ void refuse_program(const Scene& scene, const std::string& command) {
                   "` measures our own renderer; `run`, `accuracy`, `trade` and `tune` take others");
 }
 
+std::map<std::string, std::string> values_by_key(const nlohmann::ordered_json& resolved) {
+  std::map<std::string, std::string> values;
+  const nlohmann::ordered_json flat = resolved.flatten();
+  for (const auto& [pointer, value] : flat.items()) {
+    std::string key = pointer.substr(1);
+    std::ranges::replace(key, '/', '.');
+    values[key] = value.dump();
+  }
+  return values;
+}
+
 nlohmann::ordered_json resolved(const Scene& scene) {
   nlohmann::ordered_json json;
   for_each_section(scene, [&](const std::string& section, const auto& options) {

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <map>
 #include <nlohmann/json_fwd.hpp>
 #include <set>
 #include <string>
@@ -125,6 +126,8 @@ void refuse_program(const Scene& scene, const std::string& command);
 
 /// Every option with its value in the units of its key.
 nlohmann::ordered_json resolved(const Scene& scene);
+/// The same by keys, "render.view.yaw_deg", as texts of JSON.
+std::map<std::string, std::string> values_by_key(const nlohmann::ordered_json& resolved);
 
 /// Runs `body`. A scan too large for its rung, or a phantom whose file holds none, is thrown as
 /// UserError that names the scene's section.

@@ -9,6 +9,7 @@
 #include "bench/output/report_parts.h"
 #include "bench/results/counts.h"
 #include "bench/results/times.h"
+#include "bench/scene/scene.h"
 
 namespace wobblebench::bench {
 
@@ -140,14 +141,8 @@ Json json_of(const MeasuredSide& side) {
 }
 
 std::map<std::string, std::string> settings_in(const Json& report) {
-  std::map<std::string, std::string> settings;
-  const Json flat = report.value("scene", Json::object()).flatten();
-  for (const auto& [pointer, value] : flat.items()) {
-    if (pointer == "/simulation/seed" || pointer == "/simulation/threads") continue;
-    std::string key = pointer.substr(1);
-    std::ranges::replace(key, '/', '.');
-    settings[key] = value.dump();
-  }
+  auto settings = values_by_key(report.value("scene", Json::object()));
+  for (const char* key : {"simulation.seed", "simulation.threads"}) settings.erase(key);
   return settings;
 }
 
