@@ -259,7 +259,8 @@ void keep_record(const fs::path& folder,
                  const ComparisonResult& result,
                  Document& document) {
   document.add(Heading{"History"});
-  for (Figure& figure : history_figures(before(history, result.now), result.now, result.limits)) {
+  for (Figure& figure :
+       history_figures(before(history, result.now), result.base, result.now, result.limits)) {
     document.add(std::move(figure));
   }
   write_record(folder, {utc_now(), result.now});

@@ -170,10 +170,10 @@ std::string utc_now() {
 }
 
 std::vector<Figure> history_figures(const std::vector<HistoryRecord>& earlier,
+                                    const MeasuredSide& median,
                                     const MeasuredSide& now,
                                     const std::vector<ChangeLimit>& limits) {
   const HistoryRecord newest{utc_now(), now};
-  const MeasuredSide median = median_side(earlier, now);
   std::vector<Figure> figures;
   for (const auto& [scene, unused] : now.settings) {
     std::vector<const HistoryRecord*> records;

@@ -34,8 +34,10 @@ void write_record(const std::filesystem::path& folder, const HistoryRecord& reco
 /// Now, as HistoryRecord has it.
 std::string utc_now();
 
-/// A figure for each scene: each limited figure over the commits, and where the limit lies.
+/// A figure for each scene: each limited figure over the commits, and where the limit lies from
+/// `median`, that of median_side().
 std::vector<Figure> history_figures(const std::vector<HistoryRecord>& earlier,
+                                    const MeasuredSide& median,
                                     const MeasuredSide& now,
                                     const std::vector<ChangeLimit>& limits);
 

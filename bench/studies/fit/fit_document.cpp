@@ -199,6 +199,38 @@ std::vector<Judgement> all_judgements(const ModelStudy& study) {
   return all;
 }
 
+/// The figures of a judgement.
+const std::vector<Field<Judgement>>& judgement_columns() {
+  using J = const Judgement&;
+  static const std::vector<Field<Judgement>> columns = {
+      {{"other_surface_percent", "other surface", "%", 1}, &Judgement::other_surface_percent},
+      {{"mean_before_mm", "mean error, found", "mm"}, &Judgement::mean_before_mm},
+      {{"mean_after_mm", "mean error, corrected", "mm"}, &Judgement::mean_after_mm},
+      {{"rms_before_mm", "RMS, found", "mm"}, &Judgement::rms_before_mm},
+      {{"rms_after_mm", "RMS, corrected", "mm"}, &Judgement::rms_after_mm},
+      {{"explained_variance", "share of the variance explained", "", 3},
+       &Judgement::explained_variance},
+      {{"removed_mean_square", "share of the mean square removed", "", 3},
+       &Judgement::removed_mean_square},
+      {{"reproducible_variance", "the same in two seeds", "", 3},
+       &Judgement::reproducible_variance},
+      {{"within_one_spread_percent", "within one spread (normal: 68.3)", "%", 1},
+       &Judgement::within_one_percent},
+      {{"within_two_spreads_percent", "within two (95.4)", "%", 1}, &Judgement::within_two_percent},
+      {{"explained_of_reproducible", "explained of that", "", 3},
+       &Judgement::explained_of_reproducible},
+      {{"median_before_mm", "median, found", "mm"}, [](J j) { return j.found.median_mm; }},
+      {{"median_after_mm", "median, corrected", "mm"}, [](J j) { return j.corrected.median_mm; }},
+      {{"p95_before_mm", "P95, found", "mm"}, [](J j) { return j.found.p95_mm; }},
+      {{"p95_after_mm", "P95, corrected", "mm"}, [](J j) { return j.corrected.p95_mm; }},
+      {{"outside_rms_before_mm", "RMS, found", "mm"}, [](J j) { return j.found.outside_rms_mm; }},
+      {{"outside_rms_after_mm", "RMS, corrected", "mm"},
+       [](J j) { return j.corrected.outside_rms_mm; }},
+      {column_of(error::kMissed), [](J j) { return j.found.missed_percent; }},
+      {column_of(error::kFalse), [](J j) { return j.found.false_percent; }}};
+  return columns;
+}
+
 /// All that is known of each set of scans and rung.
 Table judgements_table(const std::vector<Judgement>& judgements) {
   using J = Judgement;
@@ -276,37 +308,6 @@ void add_model(const ModelStudy& study, Document& document) {
 }
 
 }  // namespace
-
-const std::vector<Field<Judgement>>& judgement_columns() {
-  using J = const Judgement&;
-  static const std::vector<Field<Judgement>> columns = {
-      {{"other_surface_percent", "other surface", "%", 1}, &Judgement::other_surface_percent},
-      {{"mean_before_mm", "mean error, found", "mm"}, &Judgement::mean_before_mm},
-      {{"mean_after_mm", "mean error, corrected", "mm"}, &Judgement::mean_after_mm},
-      {{"rms_before_mm", "RMS, found", "mm"}, &Judgement::rms_before_mm},
-      {{"rms_after_mm", "RMS, corrected", "mm"}, &Judgement::rms_after_mm},
-      {{"explained_variance", "share of the variance explained", "", 3},
-       &Judgement::explained_variance},
-      {{"removed_mean_square", "share of the mean square removed", "", 3},
-       &Judgement::removed_mean_square},
-      {{"reproducible_variance", "the same in two seeds", "", 3},
-       &Judgement::reproducible_variance},
-      {{"within_one_spread_percent", "within one spread (normal: 68.3)", "%", 1},
-       &Judgement::within_one_percent},
-      {{"within_two_spreads_percent", "within two (95.4)", "%", 1}, &Judgement::within_two_percent},
-      {{"explained_of_reproducible", "explained of that", "", 3},
-       &Judgement::explained_of_reproducible},
-      {{"median_before_mm", "median, found", "mm"}, [](J j) { return j.found.median_mm; }},
-      {{"median_after_mm", "median, corrected", "mm"}, [](J j) { return j.corrected.median_mm; }},
-      {{"p95_before_mm", "P95, found", "mm"}, [](J j) { return j.found.p95_mm; }},
-      {{"p95_after_mm", "P95, corrected", "mm"}, [](J j) { return j.corrected.p95_mm; }},
-      {{"outside_rms_before_mm", "RMS, found", "mm"}, [](J j) { return j.found.outside_rms_mm; }},
-      {{"outside_rms_after_mm", "RMS, corrected", "mm"},
-       [](J j) { return j.corrected.outside_rms_mm; }},
-      {column_of(error::kMissed), [](J j) { return j.found.missed_percent; }},
-      {column_of(error::kFalse), [](J j) { return j.found.false_percent; }}};
-  return columns;
-}
 
 std::string fitted_text(const Registration& fit, int parameter) {
   const auto slot = static_cast<std::size_t>(parameter);

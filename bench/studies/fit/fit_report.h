@@ -31,9 +31,6 @@ Document fit_document(const FitResults& results, const Provenance& provenance);
 /// 0.2)".
 std::string fitted_text(const Registration& fit, int parameter);
 
-/// A figure of a judgement.
-const std::vector<Field<Judgement>>& judgement_columns();
-
 /// Mean residuals against incidence, range and contrast.
 std::vector<Figure> fit_figures(const ModelStudy& study);
 

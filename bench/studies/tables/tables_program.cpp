@@ -160,15 +160,14 @@ CommandResult measure(const Arguments& arguments,
   });
   const Provenance provenance = provenance_of(context, volumes);
   CommandResult result{.document = tables_document(results, run, volumes.note, provenance)};
-  std::string against_what;
+  std::optional<PicturesAgainst> against;
   if (other) {
-    const PicturesAgainst against = compare_with(*other, arguments, volumes, context);
-    against_what = against.other;
-    add_agreement(against, result.document);
-    add_check(pictures_check(against), result);
+    against = compare_with(*other, arguments, volumes, context);
+    add_agreement(*against, result.document);
+    add_check(pictures_check(*against), result);
   }
   auto report = report_of(provenance, volumes, results, run, result.document);
-  if (other) report["against"] = against_what;
+  if (against) report["against"] = against->other;
   result.report = report_text(report);
   return result;
 }

@@ -211,7 +211,7 @@ TEST(Compare, HistoryHoldsTheNewestAgainstTheMedianOfWhatWasMeasuredAlike) {
   EXPECT_DOUBLE_EQ(base.runs.front().figures.at("p95_mm"), 1.0);
   const std::vector<ChangeLimit> limits = {{"p95_mm", Allowed::worse_by, 0.2}};
   EXPECT_EQ(verdicts(base, now, limits).front().outcome, Outcome::broken);
-  const std::vector<Figure> figures = history_figures(before(history, now), now, limits);
+  const std::vector<Figure> figures = history_figures(before(history, now), base, now, limits);
   ASSERT_EQ(figures.size(), 1U);
   const auto& chart = std::get<Chart>(figures.front().panels.at(0));
   EXPECT_EQ(chart.x.names, (std::vector<std::string>{"1", "2", "3", "4"}));
