@@ -117,6 +117,13 @@ export function shownPixels(page) {
   });
 }
 
+/** Stops the stream, and waits for its last picture, which may come after the word that it has stopped. */
+export async function pause(page) {
+  await page.getByRole('button', {name: 'Pause'}).click();
+  await page.locator('#stage').filter({hasText: 'Paused'}).waitFor();
+  await volumeOf(page, (await ask(page, {do: 'save'})).volume);
+}
+
 export function volumeOf(page, least) {
   return page.waitForFunction((volume) => Number(document.querySelector('.picture canvas')?.dataset.volume ?? -1) >= volume, least);
 }

@@ -8,7 +8,7 @@ import {join} from 'node:path';
 import {test} from 'node:test';
 
 import {desktop, linesOf, newPage, open, patience_ms, phone, seriousFindings} from './browser.js';
-import {ask, checkSaved, folder, live, pictureOf, program, savedOf, sceneFile, set, start, within, withLive} from './live_program.js';
+import {ask, checkSaved, folder, live, pause, pictureOf, program, savedOf, sceneFile, set, start, within, withLive} from './live_program.js';
 
 /** The status of the answer to a request with these headers. */
 async function statusOf(address, headers, path) {
@@ -138,8 +138,7 @@ test('planes, faults, pause and one volume do what they say', () => withLive(asy
   await page.getByRole('button', {name: 'drop', exact: true}).click();
   await page.locator('.times .account').filter({hasText: /lost \d+/}).waitFor();
   await page.getByRole('button', {name: 'drop', exact: true}).click();
-  await page.getByRole('button', {name: 'Pause'}).click();
-  await page.locator('#stage').filter({hasText: 'Paused'}).waitFor();
+  await pause(page);
   const before = (await ask(page, {do: 'save'})).volume;
   await page.getByRole('button', {name: 'One volume'}).click();
   await page.waitForFunction((volume) => Number(document.querySelector('.picture canvas').dataset.volume) === volume + 1, before);

@@ -4,14 +4,13 @@ import {spawnSync} from 'node:child_process';
 import {test} from 'node:test';
 
 import {coloursAt} from './browser.js';
-import {ask, live, pictureOf, program, savedOf, sceneFile, set, shownPixels, start, volumeOf, within, withLive} from './live_program.js';
+import {ask, live, pause, pictureOf, program, savedOf, sceneFile, set, shownPixels, start, volumeOf, within, withLive} from './live_program.js';
 
 test('going back shows a volume, its picture, error and planes as they were', () => withLive(async (page) => {
   // Else one volume is as the other.
   await pictureOf(page, await set(page, ['motion.velocity_mm_s=[20, 0, 0]']));
   await page.locator('#stage').filter({hasText: 'Playing'}).waitFor();
-  await page.getByRole('button', {name: 'Pause'}).click();
-  await page.locator('#stage').filter({hasText: 'Paused'}).waitFor();
+  await pause(page);
   const pictures = [], errors = [];
   for (let i = 0; i < 4; ++i) {
     const before = Number((await shownPixels(page)).volume);
@@ -54,8 +53,7 @@ test('going back shows a volume, its picture, error and planes as they were', ()
 }));
 
 test('the picture is compared with that of the start, of the same volume', () => withLive(async (page) => {
-  await page.getByRole('button', {name: 'Pause'}).click();
-  await page.locator('#stage').filter({hasText: 'Paused'}).waitFor();
+  await pause(page);
   const start = await savedOf(page, 0);
   const serial = await set(page, ['render.view.yaw_deg=40', 'render.shading.ambient=0.3', 'render.scan_conversion.slice_size=48']);
   await page.getByRole('button', {name: 'Compare with start'}).click();
