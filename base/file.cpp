@@ -5,6 +5,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <cstdlib>
@@ -88,6 +89,10 @@ std::string read_file(const FileDescriptor& file,
                       const std::filesystem::path& path,
                       std::size_t most) {
   std::string text;
+  struct stat status {};
+  if (::fstat(file.get(), &status) == 0) {
+    text.reserve(std::min(most, static_cast<std::size_t>(status.st_size)));
+  }
   read_while(file, path, [&](std::string_view piece) {
     text += piece.substr(0, most - text.size());
     return text.size() < most;

@@ -1,15 +1,13 @@
 #include "bench/cache/blob_cache.h"
 
-#include <fcntl.h>
-#include <sys/file.h>
-#include <sys/resource.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <atomic>
 #include <cerrno>
-#include <cstring>
+#include <fstream>
+#include <stdexcept>
 #include <system_error>
 #include <vector>
 
@@ -22,136 +20,63 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::string_view kEntry = ".blob", kPartial = ".partial-";
-
-/// The beginning of an entry; the key and the blob follow.
-struct Head {
-  char magic[8] = {'W', 'B', 'B', 'L', 'O', 'B', '0', '1'};
-  std::uint64_t key_size = 0;
-  std::uint64_t blob_size = 0;
-  Sha256::Digest digest{};  ///< of both sizes, key and blob
-};
-
-template <class T>
-std::string_view bytes_of(const T& value) {
-  return {reinterpret_cast<const char*>(&value), sizeof value};
-}
-
-Head head_of(std::string_view key, std::string_view blob) {
-  Head head{.key_size = key.size(), .blob_size = blob.size()};
+/// Of an entry, in hexadecimal.
+std::string digest(std::string_view key, std::string_view bytes) {
   Sha256 hash;
-  for (const auto part : {bytes_of(head.key_size), bytes_of(head.blob_size), key, blob}) {
-    hash.add(part);
-  }
-  head.digest = hash.digest();
-  return head;
+  hash.add(std::to_string(key.size()));
+  hash.add(key);
+  hash.add(bytes);
+  return hex(hash.digest());
 }
 
-bool read_all(int file, char* to, std::size_t size) {
-  while (size > 0) {
-    const ssize_t count = ::read(file, to, size);
-    if (count < 0 && errno == EINTR) continue;
-    if (count <= 0) return false;
-    to += count;
-    size -= static_cast<std::size_t>(count);
-  }
-  return true;
-}
+const std::size_t kDigestSize = 2 * Sha256::Digest().size();
 
-/// Beyond this process's limit of a file's size writing would end the process.
-bool is_allowed(std::uint64_t size) {
-  rlimit limit{};
-  return ::getrlimit(RLIMIT_FSIZE, &limit) == 0 && size <= limit.rlim_cur;
-}
-
-/// For reading; a link is not followed, and a pipe not waited for.
-FileDescriptor open_plain(const fs::path& path) {
-  return FileDescriptor(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK));
-}
-
-/// Held as long as its writer lives, by the kernel.
-bool lock(const FileDescriptor& file) {
-  return ::flock(file.get(), LOCK_EX | LOCK_NB) == 0;
-}
-
-fs::path partial_path(const fs::path& folder) {
-  static std::atomic<unsigned> number = 0;
-  return folder / (std::string(kPartial) + std::to_string(::getpid()) + "-" +
-                   std::to_string(number.fetch_add(1)));
-}
-
-/// The files of the folder whose names begin and end so.
-std::vector<fs::path> files(const fs::path& folder, std::string_view begin, std::string_view end) {
-  std::vector<fs::path> found;
-  std::error_code error;
-  for (fs::directory_iterator at(folder, error), last; !error && at != last; at.increment(error)) {
-    const std::string name = at->path().filename().string();
-    if (name.starts_with(begin) && name.ends_with(end)) found.push_back(at->path());
-  }
-  return found;
+bool write(const fs::path& path, std::string_view key, std::string_view bytes) {
+  std::ofstream file(path, std::ios::binary);
+  file << bytes << digest(key, bytes);
+  file.close();
+  return file.good();
 }
 
 }  // namespace
 
 fs::path BlobCache::path_of(std::string_view key) const {
-  Sha256 hash;
-  hash.add(key);
-  return folder_ / (hex(hash.digest()).substr(0, 32) + std::string(kEntry));
+  return folder_ / (digest(key, "").substr(0, 32) + ".blob");
 }
 
-std::optional<BlobCache::Blob> BlobCache::load(std::string_view key) const {
-  const FileDescriptor file = open_plain(path_of(key));
-  struct stat status {};
-  if (!file.is_open() || ::fstat(file.get(), &status) != 0 || !S_ISREG(status.st_mode)) return {};
-  const auto size = static_cast<std::uint64_t>(status.st_size);
-  Head head;
-  if (size < sizeof head + key.size() || size > most_bytes_) return {};
-  if (!read_all(file.get(), reinterpret_cast<char*>(&head), sizeof head)) return {};
-  if (std::memcmp(head.magic, Head{}.magic, sizeof head.magic) != 0) return {};
-  if (head.key_size != key.size() || head.blob_size != size - sizeof head - key.size()) return {};
-  Blob blob;
-  const std::size_t rest = size - sizeof head;
-  blob.file_ = std::make_unique_for_overwrite<char[]>(rest);
-  blob.first_ = key.size();
-  blob.size_ = rest - key.size();
-  if (!read_all(file.get(), blob.file_.get(), rest)) return {};
-  if (std::string_view(blob.file_.get(), key.size()) != key) return {};
-  if (head_of(key, blob.bytes()).digest != head.digest) return {};
-  ::futimens(file.get(), nullptr);
-  return blob;
-}
-
-bool BlobCache::write(std::string_view key, std::string_view bytes) const {
-  const fs::path partial = partial_path(folder_);
-  FileDescriptor file(
-      ::open(partial.c_str(), O_CREAT | O_EXCL | O_WRONLY | O_CLOEXEC | O_NOFOLLOW, 0600));
-  if (!file.is_open()) return false;
-  const Head head = head_of(key, bytes);
-  static_cast<void>(lock(file));  // without one, as where there are none, nobody removes the file
-  const bool whole = write_all(file.get(), bytes_of(head)) && write_all(file.get(), key) &&
-                     write_all(file.get(), bytes) &&
-                     ::rename(partial.c_str(), path_of(key).c_str()) == 0;
-  if (!whole) ::unlink(partial.c_str());
-  return whole;
+std::optional<std::string> BlobCache::load(std::string_view key) const {
+  const fs::path path = path_of(key);
+  try {
+    std::string bytes = read_file(path);
+    if (bytes.size() < kDigestSize) return std::nullopt;
+    const std::string kept = bytes.substr(bytes.size() - kDigestSize);
+    bytes.resize(bytes.size() - kDigestSize);
+    if (kept != digest(key, bytes)) return std::nullopt;
+    std::error_code ignored;
+    fs::last_write_time(path, fs::file_time_type::clock::now(), ignored);
+    return bytes;
+  } catch (const std::runtime_error&) {
+    return std::nullopt;
+  }
 }
 
 bool BlobCache::store(std::string_view key, std::string_view bytes) const {
-  const std::uint64_t size = sizeof(Head) + key.size() + bytes.size();
-  if (size > most_bytes_ || !is_allowed(size)) return false;
+  static std::atomic<unsigned> number = 0;
+  if (bytes.size() + kDigestSize > most_bytes_) return false;
   std::error_code error;
   fs::create_directories(folder_.parent_path(), error);
   if (::mkdir(folder_.c_str(), 0700) != 0 && errno != EEXIST) return false;
-  remove_leftovers();
-  const bool kept = write(key, bytes);
-  if (kept) keep_bound();
-  return kept;
-}
-
-void BlobCache::remove_leftovers() const {
-  for (const fs::path& path : files(folder_, kPartial, "")) {
-    const FileDescriptor file = open_plain(path);
-    if (file.is_open() && lock(file)) ::unlink(path.c_str());
+  const fs::path path = path_of(key);
+  const fs::path partial =
+      path.string() + "." + std::to_string(::getpid()) + "-" + std::to_string(number++);
+  error.clear();
+  if (write(partial, key, bytes)) {
+    fs::rename(partial, path, error);
+    if (!error) keep_bound();
+    if (!error) return true;
   }
+  fs::remove(partial, error);
+  return false;
 }
 
 void BlobCache::keep_bound() const {
@@ -162,18 +87,18 @@ void BlobCache::keep_bound() const {
   };
   std::vector<Entry> entries;
   std::uint64_t all = 0;
-  for (const fs::path& path : files(folder_, "", kEntry)) {
-    std::error_code error;
-    Entry entry{fs::last_write_time(path, error), 0, path};
-    if (!error) entry.size = fs::file_size(path, error);
-    if (error) continue;  // another process removed it
+  std::error_code error;
+  for (fs::directory_iterator at(folder_, error), last; !error && at != last; at.increment(error)) {
+    std::error_code gone;  // another process removed it
+    const Entry entry{at->last_write_time(gone), at->file_size(gone), at->path()};
+    if (gone || !at->is_regular_file(gone)) continue;
     all += entry.size;
-    entries.push_back(std::move(entry));
+    entries.push_back(entry);
   }
   std::ranges::sort(entries, {}, &Entry::used);
   for (const Entry& entry : entries) {
     if (all <= most_bytes_) return;
-    if (::unlink(entry.path.c_str()) == 0) all -= entry.size;
+    if (fs::remove(entry.path, error)) all -= entry.size;
   }
 }
 

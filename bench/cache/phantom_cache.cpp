@@ -33,7 +33,7 @@ auto load(const BlobCache& blobs, const std::string& key, const Read& read)
   const auto blob = blobs.load(key);
   if (!blob) return std::nullopt;
   try {
-    return read(blob->bytes());
+    return read(std::string_view(*blob));
   } catch (const DamagedBytes&) {
     return std::nullopt;
   }
@@ -138,9 +138,7 @@ sim::TissueMapSource PhantomCache::tissue_maps() {
 }
 
 std::optional<std::string> PhantomCache::text(const std::string& key) const {
-  if (!blobs_) return std::nullopt;
-  const auto blob = blobs_->load(key);
-  return blob ? std::optional(std::string(blob->bytes())) : std::nullopt;
+  return blobs_ ? blobs_->load(key) : std::nullopt;
 }
 
 void PhantomCache::keep_text(const std::string& key, const std::string& text) const {
