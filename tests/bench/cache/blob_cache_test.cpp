@@ -28,9 +28,7 @@ void write_text(const fs::path& path, const std::string& text) {
 
 class BlobCacheTest : public testing_support::FolderTest {
  protected:
-  std::string loaded(const std::string& key) const {
-    return cache_.load(key).value_or("nothing");
-  }
+  std::string loaded(const std::string& key) const { return cache_.load(key).value_or("nothing"); }
   std::size_t files() const {
     return static_cast<std::size_t>(
         std::distance(fs::directory_iterator(cache_.folder()), fs::directory_iterator()));
