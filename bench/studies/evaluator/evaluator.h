@@ -3,21 +3,17 @@
 #pragma once
 
 #include <cstdint>
-#include <list>
-#include <map>
 #include <memory>
 #include <optional>
-#include <string>
 #include <utility>
 
 #include "bench/cache/phantom_cache.h"
 #include "bench/evaluation/measures/picture_measures.h"
 #include "bench/evaluation/registration/registration.h"
-#include "bench/evaluation/truth/shadows.h"
 #include "bench/exchange/program/program_renderer.h"
 #include "bench/scene/resolved_scene.h"
-#include "hw/probe/polar_volume.h"
-#include "render/renderer.h"
+#include "bench/studies/evaluator/kept_renderers.h"
+#include "bench/studies/evaluator/kept_truths.h"
 
 namespace wobblebench::bench {
 
@@ -86,7 +82,7 @@ class Evaluator {
 
   /// The sticks that following evaluations render. Throws InvalidOption.
   void scan(sim::Rung rung, std::uint64_t seed);
-  const hw::PolarVolume& sticks() const { return sticks_.value(); }
+  const hw::PolarVolume& sticks() const { return renderers_.sticks(); }
   /// The rung that was chosen; only with sticks.
   sim::Rung rung() const { return rung_; }
 
@@ -96,35 +92,20 @@ class Evaluator {
   /// compiled. Throws as evaluate().
   PictureTime time_picture(const RenderSetting& setting);
   /// The truth of a view, with what the sticks' rung cannot hear.
-  const TrueView& truth(const render::RenderOptions& options);
+  const TrueView& truth(const render::RenderOptions& options) {
+    return truths_.of(scene_, rung_, options);
+  }
 
  private:
-  struct LivingRenderer {
-    std::unique_ptr<render::Renderer> renderer;
-    render::RenderOptions options;
-    std::uint64_t scan = 0;    ///< whose sticks it has; 0: none
-    bool is_compiled = false;  ///< for these options
-  };
-
   render::Picture picture_of(const RenderSetting& setting, bool as_new, EvaluationTimes& times);
   ProgramRenderer& program_of(const ProgramSetting& setting);
-  LivingRenderer& living_renderer(const render::RenderOptions& options);
-  render::Renderer& renderer_of(const render::RenderOptions& options, bool as_new);
-  const Image<glm::vec3>* shaded_truth(const render::RenderOptions& options);
-  const StickReach& reach();
 
   ResolvedScene scene_;
-  render::GlContext& context_;
   sim::TissueMapSource maps_;
-  std::size_t most_renderers_;
-  std::optional<hw::PolarVolume> sticks_;
   sim::Rung rung_ = sim::Rung::automatic;
-  std::uint64_t scans_ = 0;
-  std::map<sim::Rung, StickReach> reach_;
-  std::map<std::string, TrueView> truths_;          ///< by what they depend on
-  std::map<std::string, Image<glm::vec3>> shaded_;  ///< likewise
-  std::list<LivingRenderer> renderers_;             ///< in the order of their last use
-  std::unique_ptr<ProgramRenderer> program_;        ///< the last one that was used
+  KeptRenderers renderers_;
+  KeptTruths truths_;
+  std::unique_ptr<ProgramRenderer> program_;  ///< the last one that was used
 };
 
 }  // namespace wobblebench::bench
