@@ -408,6 +408,10 @@ bool Renderer::keeps_slices(const RenderOptions& options) const {
   return same_slices(options, pipeline_->options);
 }
 
+bool Renderer::has_rays() const {
+  return pipeline_->has_cast;
+}
+
 void Renderer::set_options(const RenderOptions& options) {
   Pipeline& p = *pipeline_;
   validate(options);

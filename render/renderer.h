@@ -149,6 +149,8 @@ class Renderer {
   /// by them. True of whatever concerns passes 2 to 4 only, but for a detector that needs the
   /// levels of echoes where the one before did not, or a kernel that reads beyond the slices.
   bool keeps_slices(const RenderOptions& options) const;
+  /// Whether render(Rays::keep) has rays to keep: nothing that they depend on has changed.
+  bool has_rays() const;
   /// Settings of the following pictures; the volumes that are there stay. Throws InvalidOption,
   /// std::invalid_argument without keeps_slices(), std::runtime_error beyond the driver's limits;
   /// then all is as it was.

@@ -150,8 +150,9 @@ void LivePipeline::run(LiveServer& server) {
       play(orders);
     } else {
       panel_.rest();
+      const std::uint64_t serial = panel_.state()->serial;
       stream_->renderer->idle();
-      panel_.wait(orders, panel_.state()->serial, kPausedWait);
+      panel_.wait(orders, serial, kPausedWait);
     }
   }
 }
@@ -216,6 +217,10 @@ void LivePipeline::add(const StreamResult& result) {
 
 void LivePipeline::show(SharedPicture picture) {
   const std::lock_guard lock(mutex_);
+  if (picture->is_coarse) {
+    if (encoder_) encoder_->give(std::move(picture));
+    return;
+  }
   shown_ = picture;
   if (encoder_) encoder_->give(picture);
   if (analysis_) analysis_->give(std::move(picture));

@@ -33,11 +33,13 @@ LiveRenderer::LiveRenderer(
     render::GlContext& context,
     LivePanel& panel,
     std::function<void(SharedPicture)> show,
-    std::function<void(const LivePicture&, const render::Picture&)> show_compared)
+    std::function<void(const LivePicture&, const render::Picture&)> show_compared,
+    double patience_ms)
     : context_(context),
       panel_(panel),
       show_(std::move(show)),
       show_compared_(std::move(show_compared)),
+      patience_ms_(patience_ms),
       state_(panel.state()) {
   renderer_ =
       std::make_unique<render::Renderer>(context_, state_->scene.plan(), state_->scene.render());
@@ -74,6 +76,8 @@ bool LiveRenderer::follow() {
   const bool has_changed = state != state_;
   if (has_changed) take(state);
   if (!whole_) return false;
+  if (has_changed) show_coarse();
+  if (panel_.state() != state_) return true;  // the picture of all pixels would be late
   if (has_changed) make_picture();
   compare();
   return has_changed;
@@ -125,18 +129,35 @@ void LiveRenderer::begin_stream() {
   whole_ ? add_all(*whole_, *renderer_) : rebuild(state_);
 }
 
-render::Picture LiveRenderer::make_picture() {
+LivePicture LiveRenderer::rendered() {
   const auto begin = hw::HostClock::now();
   render::Picture picture = renderer_->render(render::Rays::keep);
-  LivePicture shown{.picture = picture,
-                    .state = state_,
-                    .volume = last_volume_.value_or(volume_),
-                    .frames = whole_,
-                    .lost_sticks = whole_ ? lost_sticks(*whole_) : 0,
-                    .render_ms = to_milliseconds(hw::HostClock::now() - begin)};
-  shown_ = std::make_shared<const LivePicture>(std::move(shown));
+  return {.picture = std::move(picture),
+          .state = state_,
+          .volume = last_volume_.value_or(volume_),
+          .frames = whole_,
+          .lost_sticks = whole_ ? lost_sticks(*whole_) : 0,
+          .render_ms = to_milliseconds(hw::HostClock::now() - begin)};
+}
+
+render::Picture LiveRenderer::make_picture() {
+  const bool casts = !renderer_->has_rays();
+  shown_ = std::make_shared<const LivePicture>(rendered());
+  if (casts) cast_ms_ = shown_->render_ms;
   show_(shown_);
-  return picture;
+  return shown_->picture;
+}
+
+void LiveRenderer::show_coarse() {
+  render::RenderOptions coarse = state_->scene.render();
+  int& side = coarse.ray_casting.image_size;
+  if (renderer_->has_rays() || cast_ms_ <= patience_ms_ || side < 2) return;
+  side /= 2;
+  renderer_->set_options(coarse);
+  LivePicture picture = rendered();
+  picture.is_coarse = true;
+  show_(std::make_shared<const LivePicture>(std::move(picture)));
+  renderer_->set_options(state_->scene.render());
 }
 
 }  // namespace wobblebench::bench

@@ -25,11 +25,13 @@ struct LivePicture {
   SharedFrames frames;                     ///< of that volume; null: none was whole yet
   int lost_sticks = 0;                     ///< of that volume
   double render_ms = 0;                    ///< passes 2 to 4
+  bool is_coarse = false;                  ///< half the pixels a side; the one of all follows
 };
 using SharedPicture = std::shared_ptr<const LivePicture>;
 
 /// Renders by the panel's newest state: a change makes a picture of the last whole volume at once,
-/// between frames and while none comes. Used by the thread that owns the context.
+/// between frames and while none comes; where new rays take longer than `patience_ms`, first a
+/// coarse one. Used by the thread that owns the context.
 class LiveRenderer : public StreamRenderer {
  public:
   /// All must outlive it. The panel has a state. `show` gets each picture.
@@ -37,7 +39,8 @@ class LiveRenderer : public StreamRenderer {
   LiveRenderer(render::GlContext& context,
                LivePanel& panel,
                std::function<void(SharedPicture)> show,
-               std::function<void(const LivePicture&, const render::Picture&)> show_compared);
+               std::function<void(const LivePicture&, const render::Picture&)> show_compared,
+               double patience_ms = 50);
 
   void begin_volume(std::uint32_t volume) override;
   double add_frame(int frame, const hw::PolarFrame& samples) override;
@@ -55,11 +58,15 @@ class LiveRenderer : public StreamRenderer {
   void take(const std::shared_ptr<const LiveState>& state);
   void rebuild(const std::shared_ptr<const LiveState>& state);
   render::Picture make_picture();
+  void show_coarse();
+  LivePicture rendered();
 
   render::GlContext& context_;
   LivePanel& panel_;
   const std::function<void(SharedPicture)> show_;
   const std::function<void(const LivePicture&, const render::Picture&)> show_compared_;
+  const double patience_ms_;
+  double cast_ms_ = 0;  ///< the last picture with new rays took
   std::shared_ptr<const LiveState> state_;
   std::unique_ptr<render::Renderer> renderer_;
   std::vector<hw::PolarFrame> current_;  ///< of the volume under way; without samples: not here

@@ -164,7 +164,10 @@ LiveMessage picture_message(const LivePicture& shown) {
   Json header = header_of("picture", shown);
   header["lost_sticks"] = shown.lost_sticks;
   header["render_ms"] = shown.render_ms;
-  header["mm_per_pixel"] = shown.state->scene.view().camera.pixel_m() / kMillimetre;
+  header["coarse"] = shown.is_coarse;
+  const render::Camera camera = shown.state->scene.view().camera;
+  header["mm_per_pixel"] =
+      camera.pixel_m() / kMillimetre * camera.image_size / shown.picture.depth_m.width;
   return binary_message(std::move(header), {jpeg(shown.picture.surface, Values::light)});
 }
 

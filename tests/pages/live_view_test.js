@@ -1,10 +1,11 @@
 // The live page: the last minute, the start beside now, space, links, warnings, the keyboard, and its memory.
 import assert from 'node:assert/strict';
 import {spawnSync} from 'node:child_process';
+import {join} from 'node:path';
 import {test} from 'node:test';
 
 import {coloursAt} from './browser.js';
-import {ask, live, pause, pictureOf, program, savedOf, sceneFile, set, shownPixels, start, volumeOf, within, withLive} from './live_program.js';
+import {ask, checkSaved, folder, live, pause, pictureOf, program, savedOf, sceneFile, set, shownPixels, start, volumeOf, within, withLive} from './live_program.js';
 
 test('going back shows a volume, its picture, error and planes as they were', () => withLive(async (page) => {
   // Else one volume is as the other.
@@ -75,6 +76,23 @@ test('the picture is compared with that of the start, of the same volume', () =>
   await page.getByRole('button', {name: 'Compare with start'}).click();
   await page.locator('.picture .stage').waitFor();
 }));
+
+test('a slow picture is shown with half the pixels first', async () => {
+  const other = await start(['--gl', 'osmesa', '--set', 'render.ray_casting.image_size=2048', '--set', 'render.ray_casting.steps=2048']);
+  await withLive(async (page) => {
+    await pause(page);
+    const canvas = page.locator('.picture canvas');
+    const serial = await set(page, ['render.view.yaw_deg=20']);
+    await page.locator('.picture .coarse').waitFor();
+    assert.equal(await canvas.evaluate(({width}) => width), 1024);
+    await page.screenshot({path: join(folder, 'coarse.png')});
+    await pictureOf(page, serial);
+    assert.equal(await canvas.evaluate(({width}) => width), 2048);
+    assert.equal(await page.locator('.picture .coarse').count(), 0);
+    checkSaved(await savedOf(page, serial), 'after_coarse');
+  }, {address: other.address});
+  other.child.kill();
+});
 
 test('a link carries what is set, through the checks of the command line', async () => {
   await withLive(async (page) => {

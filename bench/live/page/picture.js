@@ -140,8 +140,10 @@ class Picture {
     else if (this.mode === 'Truth' && this.maps.shaded) context.drawImage(this.maps.shaded, 0, 0);
     else context.putImageData(this.mapImage(), 0, 0);
     this.stage.classList.toggle('stale', this.isStale());
+    this.stage.classList.toggle('coarse', Boolean(ready.header.coarse));
     this.element.dataset.drawn = this.mode;
-    Object.assign(this.canvas.dataset, {serial: ready.header.serial, volume: ready.header.volume});
+    // Of a coarse picture the one of all pixels is still to come.
+    if (!ready.header.coarse) Object.assign(this.canvas.dataset, {serial: ready.header.serial, volume: ready.header.volume});
     this.drawLegend();
   }
 

@@ -160,7 +160,7 @@ class Page {
     }
     if (this.past.volume !== null) return undefined;
     await this.draw(header, parts);
-    return header.type === 'picture' ? this.measure(header.serial) : undefined;
+    return header.type === 'picture' ? this.measure(header) : undefined;
   }
 
   /** A message of what is shown, live or of an earlier volume. */
@@ -170,14 +170,19 @@ class Page {
     return this.picture.takePicture(header, parts);
   }
 
-  /** The time from a setting to its picture. */
-  measure(serial) {
+  /** The time from a setting to its picture, the first one and that of all pixels. */
+  measure({serial, coarse}) {
     const answered = [...this.sentAt].filter(([each]) => each <= serial);
     if (answered.length === 0) return;
-    for (const [each] of answered) this.sentAt.delete(each);
     const took = performance.now() - Math.max(...answered.map(([, since]) => since));
-    this.times.lines.browser.add(took);
-    (this.took ??= []).push(took);
+    if (coarse) {
+      this.first = took;
+      return;
+    }
+    for (const [each] of answered) this.sentAt.delete(each);
+    this.times.lines.browser.add(this.first ?? took);
+    (this.took ??= []).push([this.first ?? took, took]);
+    this.first = null;
     if (this.took.length > 1000) this.took.shift();
     document.body.dataset.took = JSON.stringify(this.took);
   }

@@ -4,12 +4,21 @@
 #include <atomic>
 #include <chrono>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <thread>
+#include <utility>
+#include <vector>
 
 #include "base/units.h"
 #include "bench/live/live_pipeline.h"
+#include "bench/live/live_renderer.h"
+#include "hw/probe/polar_volume.h"
+#include "phantoms/phantom.h"
 #include "render/gl/context.h"
+#include "render/renderer.h"
+#include "sim/probe_simulator.h"
 #include "tests/bench/cli/program_under_test.h"
+#include "tests/render/support/synthetic.h"
 
 namespace wobblebench::bench {
 namespace {
@@ -19,8 +28,11 @@ using Live = InFolder;
 /// A panel whose first stream is there.
 class Panel : public LivePanel {
  public:
-  explicit Panel(const fs::path& file) : LivePanel({file, {}}, /*with_scan=*/true, "") {
-    adopt(wanted(), resolve_scene(wanted().given, std::nullopt));
+  explicit Panel(const fs::path& file,
+                 const Words& settings = {},
+                 const std::optional<phantoms::Phantom>& phantom = std::nullopt)
+      : LivePanel({file, settings}, /*with_scan=*/true, "") {
+    adopt(wanted(), resolve_scene(wanted().given, phantom));
   }
 };
 
@@ -94,6 +106,39 @@ struct Stream {
 const Words kSmall = words_of(
     "phantom.name=sphere phantom.voxel_mm=2 acquisition.volumes=2 acquisition.frames_per_volume=9 "
     "acquisition.sticks_per_frame=16 render.ray_casting.image_size=64");
+
+hw::PolarVolume scanned(const ResolvedScene& scene) {
+  const sim::ProbeSimulator simulator(*scene.subject(), scene.plan(), scene.simulation());
+  const sim::SimulationOptions& options = simulator.options();
+  auto volume = hw::PolarVolume::of_samples(scene.plan(), 0, options.output, simulator.volume(0));
+  volume.log_compress(options.dynamic_range_db);
+  return volume;
+}
+
+TEST_F(Live, ACoarsePictureComesFirstWhereRaysAreSlow) {
+  const auto context = render::make_context("auto");
+  Panel panel("", kSmall, phantoms::make_phantom({.name = "sphere", .voxel_m = 2e-3}));
+  std::vector<SharedPicture> shown;
+  LiveRenderer renderer(
+      *context, panel, [&](SharedPicture picture) { shown.push_back(std::move(picture)); }, {}, 0);
+  const auto volume = scanned(panel.state()->scene);
+  int index = 0;
+  for (const hw::PolarFrame& frame : volume.frames()) renderer.add_frame(index++, frame);
+  renderer.render();
+  panel.set({"render.view.yaw_deg=20"});
+  renderer.idle();
+  panel.set({"render.shading.ambient=0.3"});
+  renderer.idle();
+  std::vector<std::pair<int, bool>> pictures;
+  for (const auto& each : shown) {
+    pictures.emplace_back(each->picture.depth_m.width, each->is_coarse);
+  }
+  EXPECT_EQ(pictures,
+            (std::vector<std::pair<int, bool>>{{64, false}, {32, true}, {64, false}, {64, false}}));
+  const auto alone = render::render_volume(*context, volume, panel.state()->scene.render());
+  EXPECT_EQ(shown.back()->picture.surface.pixels, alone.surface.pixels);
+  EXPECT_TRUE(render::testing::same_bits(shown.back()->picture.depth_m, alone.depth_m));
+}
 
 TEST_F(Live, NobodyPublishesOnceRunHasThrown) {
   Stream stream("sim", kSmall);
