@@ -19,7 +19,7 @@ set(bench_headers
   bench/evaluation/measures/depth_error.h bench/evaluation/registration/registration.h bench/evaluation/truth/truth.h
   bench/scene/scene.h bench/scene/resolved_scene.h
   # included by these
-  phantoms/material.h phantoms/motion.h phantoms/parts.h phantoms/point_scatterers.h sim/fidelity.h sim/iq_sink.h
+  phantoms/material.h phantoms/motion.h phantoms/parts.h phantoms/point_scatterers.h sim/fidelity.h sim/echo_store.h sim/iq_sink.h
   bench/results/error.h bench/results/measure.h)
 # From a scene and a board to a picture: examples/cpp/render_scene.cpp is the example of them all.
 set(pipeline_headers

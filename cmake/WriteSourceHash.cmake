@@ -1,4 +1,4 @@
-# Writes OUTPUT, a header with a SHA-256 of the sources that make phantoms and tissue maps, and of what
+# Writes OUTPUT, a header with NAME, a SHA-256 of the sources FILES and of what
 # compiles them: whatever a cache kept of another build is not taken. Run when one of them changes.
 set(all "${COMPILER}")
 foreach(file IN LISTS FILES)
@@ -6,4 +6,4 @@ foreach(file IN LISTS FILES)
   string(APPEND all "\n${file} ${hash}")
 endforeach()
 string(SHA256 hash "${all}")
-file(WRITE "${OUTPUT}" "#pragma once\ninline constexpr char kPhantomSources[] = \"${hash}\";\n")
+file(WRITE "${OUTPUT}" "#pragma once\ninline constexpr char ${NAME}[] = \"${hash}\";\n")

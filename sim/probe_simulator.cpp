@@ -31,7 +31,8 @@ struct ProbeSimulator::Impl {
 ProbeSimulator::ProbeSimulator(const phantoms::PlacedPhantom& subject,
                                const hw::AcquisitionPlan& plan,
                                const SimulationOptions& options,
-                               const TissueMapSource& maps) {
+                               const TissueMapSource& maps,
+                               const EchoStore& echoes) {
   hw::validate(plan.probe());
   check_options(options);
   check_options(options.clutter, "clutter.");
@@ -59,7 +60,7 @@ ProbeSimulator::ProbeSimulator(const phantoms::PlacedPhantom& subject,
   }
   impl->map_ms = milliseconds_since(begin);
   const auto mapped = hw::HostClock::now();
-  impl->model = make_echo_model(rung, tissue, plan, before_show(options));
+  impl->model = make_echo_model(rung, tissue, plan, before_show(options), echoes);
   impl->once_ms = milliseconds_since(mapped);
   impl_ = std::move(impl);
 }

@@ -9,6 +9,7 @@
 
 #include "hw/probe/acquisition_plan.h"
 #include "phantoms/placed_phantom.h"
+#include "sim/echo_store.h"
 #include "sim/fidelity.h"
 #include "sim/iq_sink.h"
 #include "sim/options.h"
@@ -40,12 +41,13 @@ using TissueMapSource = std::function<std::shared_ptr<const TissueMap>(
 /// @endcode
 class ProbeSimulator {
  public:
-  /// Calls `maps` once for the phantom's map; without `maps` the constructor makes it. Throws
-  /// InvalidOption.
+  /// Calls `maps` once for the phantom's map; without `maps` the constructor makes it. `echoes`
+  /// keeps those of this subject, plan and options alone. Throws InvalidOption.
   ProbeSimulator(const phantoms::PlacedPhantom& subject,
                  const hw::AcquisitionPlan& plan,
                  const SimulationOptions& options,
-                 const TissueMapSource& maps = {});
+                 const TissueMapSource& maps = {},
+                 const EchoStore& echoes = {});
 
   /// `iq`, if given, takes the IQ samples that the volume is detected from; it is called on several
   /// threads at once, in no order, once for each stick. Throws std::logic_error if it is given on

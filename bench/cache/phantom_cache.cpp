@@ -5,12 +5,16 @@
 
 #include <algorithm>
 #include <array>
+#include <complex>
 #include <cstdint>
 #include <cstdio>
+#include <cstring>
 #include <initializer_list>
 #include <map>
 #include <mutex>
+#include <nlohmann/json.hpp>
 #include <optional>
+#include <span>
 #include <stdexcept>
 #include <string_view>
 #include <utility>
@@ -21,6 +25,7 @@
 #include "phantom_sources.h"
 #include "phantoms/io/phantom_bytes.h"
 #include "sim/tissue/tissue_map.h"
+#include "simulator_sources.h"
 
 namespace wobblebench::bench {
 
@@ -137,6 +142,22 @@ sim::TissueMapSource PhantomCache::tissue_maps() {
   };
 }
 
+sim::EchoStore PhantomCache::echoes(const ResolvedScene& scene) {
+  kept_.echoes = false;
+  if (!blobs_ || key_.empty()) return {};
+  const std::string key = echoes_key(key_, scene.options());
+  const auto load_echoes = [this, key](std::span<std::complex<float>> echoes) {
+    const auto blob = blobs_->load(key);
+    if (!blob || blob->size() != echoes.size_bytes()) return false;
+    std::memcpy(echoes.data(), blob->data(), blob->size());
+    return kept_.echoes = true;
+  };
+  const auto keep = [this, key](std::span<const std::complex<float>> echoes) {
+    blobs_->store(key, {reinterpret_cast<const char*>(echoes.data()), echoes.size_bytes()});
+  };
+  return {load_echoes, keep};
+}
+
 std::optional<std::string> PhantomCache::text(const std::string& key) const {
   return blobs_ ? blobs_->load(key) : std::nullopt;
 }
@@ -177,6 +198,17 @@ std::string tissue_map_key(const std::string& phantom, double reach_m) {
   key.add("phantom", phantom);
   key.add("tissue map", std::to_string(sim::kTissueMapBytesVersion));
   key.add("reach", exact(reach_m));
+  return key.take();
+}
+
+std::string echoes_key(const std::string& phantom, const Scene& scene) {
+  Scene scanned = scene;
+  scanned.picture = {};
+  scanned.render = {};
+  KeyWriter key;
+  key.add("phantom", phantom);
+  key.add("simulator", kSimulatorSources);
+  key.add("scene", resolved(scanned).dump());
   return key.take();
 }
 

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "bench/cache/blob_cache.h"
+#include "bench/scene/resolved_scene.h"
 #include "phantoms/options.h"
 #include "phantoms/phantom.h"
 #include "sim/probe_simulator.h"
@@ -24,6 +25,9 @@ class PhantomCache {
   /// Maps of the phantom that phantom() gave last, as long as this lives.
   sim::TissueMapSource tissue_maps();
 
+  /// Echoes of a scene with the phantom that phantom() gave last, as long as this lives.
+  sim::EchoStore echoes(const ResolvedScene& scene);
+
   /// A text that was kept under this key; nullopt: none.
   std::optional<std::string> text(const std::string& key) const;
   void keep_text(const std::string& key, const std::string& text) const;
@@ -32,6 +36,7 @@ class PhantomCache {
   struct Kept {
     bool phantom = false;
     bool tissue_map = false;
+    bool echoes = false;
   };
   const Kept& kept() const { return kept_; }
 
@@ -53,8 +58,9 @@ PhantomCache open_phantom_cache(int megabytes);
 /// versions of the libraries that compute. Empty where the file cannot be read.
 std::string phantom_key(const phantoms::PhantomOptions& options);
 
-/// Key of the tissue map of a phantom with this key.
+/// Keys of the tissue map of a phantom with this key, and of its echoes in a scene.
 std::string tissue_map_key(const std::string& phantom, double reach_m);
+std::string echoes_key(const std::string& phantom, const Scene& scene);
 
 /// Takes the map of a phantom and a reach from `maps`, or makes it, once, and keeps it as long as
 /// the result and its copies live, which any threads use: one makes a map, the others wait. Another

@@ -66,7 +66,8 @@ void LivePipeline::connect(const WantedScene& wanted) {
   auto board = std::make_unique<BoardConnection>(board_arguments(0), options_);
   ResolvedScene scene = board->resolve(wanted.given, cache_, progress_);
   auto maps = kept_maps(cache_.tissue_maps());
-  const StreamSource source = progress_.step("scene", [&] { return board->connect(scene, maps); });
+  const StreamSource source =
+      progress_.step("scene", [&] { return board->connect(scene, maps, cache_.echoes(scene)); });
   panel_.adopt(wanted, scene);
   auto renderer = progress_.step("shaders", [&] {
     return std::make_unique<LiveRenderer>(

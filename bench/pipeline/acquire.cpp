@@ -89,8 +89,10 @@ ResolvedScene BoardConnection::resolve(const Scene& given,
 }
 
 sim::ProbeSimulator BoardConnection::simulator(const ResolvedScene& scene,
-                                               const sim::TissueMapSource& maps) {
-  sim::ProbeSimulator simulator(scene.subject().value(), scene.plan(), scene.simulation(), maps);
+                                               const sim::TissueMapSource& maps,
+                                               const sim::EchoStore& echoes) {
+  sim::ProbeSimulator simulator(
+      scene.subject().value(), scene.plan(), scene.simulation(), maps, echoes);
   simulated_ = SimulatedVolume{.effects = simulator.effects(),
                                .fidelity = simulator.fidelity(),
                                .map_ms = simulator.map_ms(),
@@ -99,9 +101,10 @@ sim::ProbeSimulator BoardConnection::simulator(const ResolvedScene& scene,
 }
 
 StreamSource BoardConnection::connect(const ResolvedScene& scene,
-                                      const sim::TissueMapSource& maps) {
+                                      const sim::TissueMapSource& maps,
+                                      const sim::EchoStore& echoes) {
   if (is_simulated(arguments_)) {
-    sim::ProbeSimulator made = simulator(scene, maps);
+    sim::ProbeSimulator made = simulator(scene, maps, echoes);
     // The link computes its volumes from here on.
     connected_ = hw::HostClock::now();
     const auto sticks = [&] {

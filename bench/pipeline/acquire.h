@@ -61,10 +61,12 @@ class BoardConnection {
   /// another subject, NothingCame if no configuration comes.
   ResolvedScene resolve(const Scene& given, PhantomCache& cache, Progress& progress);
 
-  /// A simulator makes all of the scene's volumes, from now on. `maps`: as sim::ProbeSimulator
-  /// takes them. The result is valid as long as this. Throws UserError for a recording of a subject
-  /// at another place.
-  StreamSource connect(const ResolvedScene& scene, const sim::TissueMapSource& maps = {});
+  /// A simulator makes all of the scene's volumes, from now on. `maps`, `echoes`: as
+  /// sim::ProbeSimulator takes them. The result is valid as long as this. Throws UserError for a
+  /// recording of a subject at another place.
+  StreamSource connect(const ResolvedScene& scene,
+                       const sim::TissueMapSource& maps = {},
+                       const sim::EchoStore& echoes = {});
 
   /// stream_one_volume() of what connect() returned.
   [[nodiscard]] Acquisition acquire(const StreamSource& source,
@@ -84,7 +86,9 @@ class BoardConnection {
  private:
   void open();
   std::string name() const { return "--board " + arguments_.text; }
-  sim::ProbeSimulator simulator(const ResolvedScene& scene, const sim::TissueMapSource& maps);
+  sim::ProbeSimulator simulator(const ResolvedScene& scene,
+                                const sim::TissueMapSource& maps,
+                                const sim::EchoStore& echoes);
   StreamSource source(const ResolvedScene& scene);
 
   BoardArguments arguments_;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <stdexcept>
+#include <utility>
 
 #include "base/parallel.h"
 #include "phantoms/material.h"
@@ -54,8 +55,9 @@ const EchoModelType& echo_model_type(Rung rung) {
 std::unique_ptr<const EchoModel> make_echo_model(Rung rung,
                                                  const ScannedTissue& tissue,
                                                  const hw::AcquisitionPlan& plan,
-                                                 const SimulationOptions& options) {
-  return echo_model_type(rung).make(tissue, ProbeOptics(plan, options), options);
+                                                 const SimulationOptions& options,
+                                                 const EchoStore& store) {
+  return echo_model_type(rung).make(tissue, plan, options, store);
 }
 
 namespace {
@@ -75,19 +77,11 @@ double deepest_m(const hw::AcquisitionPlan& plan, const SimulationOptions& optio
 /// The noiseless echoes of one volume, used for every volume.
 class ReusedEchoes final : public IqModel {
  public:
-  ReusedEchoes(const IqModel& source, const ProbeOptics& optics, const SimulationOptions& options)
-      : IqModel(optics, options), type_(source.type()), echoes_(make_iq_field(optics.plan())) {
-    const auto& plan = optics.plan();
-    source.prepare(0);
-    parallel_ranges(plan.sticks_per_volume(), options.threads, [&](int first, int last) {
-      const IqMaker make = source.iq_maker();
-      for (int i = first; i < last; ++i) {
-        const hw::StickIndex index = stick_in_order(plan, 0, i);
-        const auto iq = make(index);
-        std::copy(iq.begin(), iq.end(), echoes_.stick(index).begin());
-      }
-    });
-  }
+  ReusedEchoes(const EchoModelType& type,
+               IqField echoes,
+               const hw::AcquisitionPlan& plan,
+               const SimulationOptions& options)
+      : IqModel(plan, options), type_(type), echoes_(std::move(echoes)) {}
 
   const EchoModelType& type() const override { return type_; }
   IqMaker iq_maker() const override {
@@ -99,12 +93,25 @@ class ReusedEchoes final : public IqModel {
   IqField echoes_;
 };
 
+void compute_echoes(const IqModel& source,
+                    const hw::AcquisitionPlan& plan,
+                    int threads,
+                    IqField& echoes) {
+  source.prepare(0);
+  parallel_ranges(plan.sticks_per_volume(), threads, [&](int first, int last) {
+    const IqMaker make = source.iq_maker();
+    for (int i = first; i < last; ++i) {
+      const hw::StickIndex index = stick_in_order(plan, 0, i);
+      const auto iq = make(index);
+      std::copy(iq.begin(), iq.end(), echoes.stick(index).begin());
+    }
+  });
+}
+
 }  // namespace
 
-IqModel::IqModel(const ProbeOptics& optics, const SimulationOptions& options)
-    : plan_(optics.plan()),
-      seed_(options.seed),
-      receiver_(plan_, options, iq_oversampling(plan_)) {}
+IqModel::IqModel(const hw::AcquisitionPlan& plan, const SimulationOptions& options)
+    : plan_(plan), seed_(options.seed), receiver_(plan_, options, iq_oversampling(plan_)) {}
 
 StickMaker IqModel::stick_maker(const IqSink& sink) const {
   const auto sticks = static_cast<std::uint64_t>(plan_.sticks_per_volume());
@@ -140,12 +147,19 @@ EchoMemory iq_memory(const hw::AcquisitionPlan& plan,
   return {model_bytes + losses, model_bytes + losses};
 }
 
-std::unique_ptr<const EchoModel> reuse_echoes(std::unique_ptr<const IqModel> model,
+std::unique_ptr<const EchoModel> reuse_echoes(const MakeIqModel& make,
+                                              const EchoModelType& type,
                                               const ScannedTissue& tissue,
-                                              const ProbeOptics& optics,
-                                              const SimulationOptions& options) {
-  if (!volumes_repeat(optics.plan(), !tissue.still())) return model;
-  return std::make_unique<ReusedEchoes>(*model, optics, options);
+                                              const hw::AcquisitionPlan& plan,
+                                              const SimulationOptions& options,
+                                              const EchoStore& store) {
+  if (!volumes_repeat(plan, !tissue.still())) return make();
+  IqField echoes = make_iq_field(plan);
+  if (!store.load || !store.load(echoes.values)) {
+    compute_echoes(*make(), plan, options.threads, echoes);
+    if (store.keep) store.keep(echoes.values);
+  }
+  return std::make_unique<ReusedEchoes>(type, std::move(echoes), plan, options);
 }
 
 }  // namespace wobblebench::sim

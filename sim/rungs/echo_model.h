@@ -10,6 +10,7 @@
 #include <string_view>
 
 #include "hw/probe/acquisition_plan.h"
+#include "sim/echo_store.h"
 #include "sim/iq_sink.h"
 #include "sim/optics/probe_optics.h"
 #include "sim/options.h"
@@ -72,8 +73,9 @@ struct EchoModelType {
                        const SimulationOptions& options,
                        bool tissue_moves);
   std::unique_ptr<const EchoModel> (*make)(const ScannedTissue& tissue,
-                                           const ProbeOptics& optics,
-                                           const SimulationOptions& options);
+                                           const hw::AcquisitionPlan& plan,
+                                           const SimulationOptions& options,
+                                           const EchoStore& store);
 
   /// True if the rung models an effect, by its name in sim/fidelity.h.
   bool models(std::string_view effect) const;
@@ -88,7 +90,8 @@ const EchoModelType& echo_model_type(Rung rung);
 std::unique_ptr<const EchoModel> make_echo_model(Rung rung,
                                                  const ScannedTissue& tissue,
                                                  const hw::AcquisitionPlan& plan,
-                                                 const SimulationOptions& options);
+                                                 const SimulationOptions& options,
+                                                 const EchoStore& store = {});
 
 /// Computes the noiseless IQ samples of one stick; they are valid until the next call. Holds the
 /// working memory of one thread.
@@ -96,7 +99,7 @@ using IqMaker = std::function<std::span<const std::complex<float>>(const hw::Sti
 
 class IqModel : public EchoModel {
  public:
-  IqModel(const ProbeOptics& optics, const SimulationOptions& options);
+  IqModel(const hw::AcquisitionPlan& plan, const SimulationOptions& options);
 
   /// Computes the IQ samples and then applies the receive chain, with noise that depends on the
   /// stick.
@@ -109,12 +112,17 @@ class IqModel : public EchoModel {
   Receiver receiver_;  ///< copied into each stick maker
 };
 
-/// If neither tissue nor sticks change from volume to volume, returns a model that has computed the
-/// echoes of one volume by `model` and uses them for all volumes; otherwise returns `model`.
-std::unique_ptr<const EchoModel> reuse_echoes(std::unique_ptr<const IqModel> model,
+using MakeIqModel = std::function<std::unique_ptr<const IqModel>()>;
+
+/// If neither tissue nor sticks change from volume to volume, returns a model that uses the echoes
+/// of one volume for all: those of `store`, or, kept there, of the model that `make` returns.
+/// Otherwise returns that model.
+std::unique_ptr<const EchoModel> reuse_echoes(const MakeIqModel& make,
+                                              const EchoModelType& type,
                                               const ScannedTissue& tissue,
-                                              const ProbeOptics& optics,
-                                              const SimulationOptions& options);
+                                              const hw::AcquisitionPlan& plan,
+                                              const SimulationOptions& options,
+                                              const EchoStore& store);
 
 /// EchoModelType::memory of an IqModel that itself stores `model_bytes`.
 EchoMemory iq_memory(const hw::AcquisitionPlan& plan,
@@ -125,9 +133,13 @@ EchoMemory iq_memory(const hw::AcquisitionPlan& plan,
 /// EchoModelType::make of an IqModel.
 template <class Model>
 std::unique_ptr<const EchoModel> make_iq_model(const ScannedTissue& tissue,
-                                               const ProbeOptics& optics,
-                                               const SimulationOptions& options) {
-  return reuse_echoes(std::make_unique<Model>(tissue, optics, options), tissue, optics, options);
+                                               const hw::AcquisitionPlan& plan,
+                                               const SimulationOptions& options,
+                                               const EchoStore& store) {
+  const auto make = [&] {
+    return std::make_unique<Model>(tissue, ProbeOptics(plan, options), options);
+  };
+  return reuse_echoes(make, Model::kType, tissue, plan, options, store);
 }
 
 }  // namespace wobblebench::sim

@@ -59,7 +59,7 @@ constinit const EchoModelType FieldModel::kType = {
 FieldModel::FieldModel(const ScannedTissue& tissue,
                        const ProbeOptics& optics,
                        const SimulationOptions& options)
-    : IqModel(optics, options),
+    : IqModel(optics.plan(), options),
       tissue_(tissue),
       propagation_(tissue_, optics, options, Surfaces::nearby),
       mean_power_(optics,

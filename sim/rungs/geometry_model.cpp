@@ -22,15 +22,16 @@ constinit const EchoModelType GeometryModel::kType = {
     .memory =
         [](const hw::AcquisitionPlan&, const SimulationOptions&, bool) { return EchoMemory{}; },
     .make = [](const ScannedTissue& tissue,
-               const ProbeOptics& optics,
-               const SimulationOptions& options) -> std::unique_ptr<const EchoModel> {
-      return std::make_unique<GeometryModel>(tissue, optics, options);
+               const hw::AcquisitionPlan& plan,
+               const SimulationOptions& options,
+               const EchoStore&) -> std::unique_ptr<const EchoModel> {
+      return std::make_unique<GeometryModel>(tissue, plan, options);
     }};
 
 GeometryModel::GeometryModel(const ScannedTissue& tissue,
-                             const ProbeOptics& optics,
+                             const hw::AcquisitionPlan& plan,
                              const SimulationOptions& options)
-    : tissue_(tissue), plan_(optics.plan()) {
+    : tissue_(tissue), plan_(plan) {
   for (const auto& material : tissue.materials) {
     const double mean = amplitude_of_db(material.backscatter_db);
     sample_of_material_.push_back(

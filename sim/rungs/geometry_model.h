@@ -15,7 +15,7 @@ class GeometryModel final : public EchoModel {
   static const EchoModelType kType;
 
   GeometryModel(const ScannedTissue& tissue,
-                const ProbeOptics& optics,
+                const hw::AcquisitionPlan& plan,
                 const SimulationOptions& options);
 
   const EchoModelType& type() const override { return kType; }

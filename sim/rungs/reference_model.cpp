@@ -161,7 +161,7 @@ constinit const EchoModelType ReferenceModel::kType = {
 ReferenceModel::ReferenceModel(const ScannedTissue& tissue,
                                const ProbeOptics& optics,
                                const SimulationOptions& options)
-    : IqModel(optics, options),
+    : IqModel(optics.plan(), options),
       tissue_(tissue),
       propagation_(tissue_, optics, options, Surfaces::crossed),
       scene_(tissue_, optics, options) {}

@@ -32,7 +32,7 @@ double ScatterersModel::reach_m(const hw::AcquisitionPlan&) {
 ScatterersModel::ScatterersModel(const ScannedTissue& tissue,
                                  const ProbeOptics& optics,
                                  const SimulationOptions& options)
-    : IqModel(optics, options),
+    : IqModel(optics.plan(), options),
       tissue_(tissue),
       propagation_(tissue_, optics, options, Surfaces::crossed),
       scatterers_(tissue_,

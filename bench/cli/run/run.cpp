@@ -311,7 +311,8 @@ int run(const RunArguments& from_line) {
     const ChosenRenderer chosen_renderer(*context, scene);
     std::future<void> compiled;
     if (chosen_renderer.renderer) compiled = chosen_renderer.renderer->compile_in_background();
-    const auto source = progress.step("scene", [&] { return board.connect(scene, maps); });
+    const auto source =
+        progress.step("scene", [&] { return board.connect(scene, maps, cache.echoes(scene)); });
     if (chosen_renderer.renderer) progress.step("shaders", [&] { compiled.get(); });
 
     RunResult result =

@@ -45,8 +45,8 @@ std::string volume_line(const RunResult& result, const ResolvedScene& scene) {
   return sound + "simulated in " + rounded(simulated.volume_ms) + " ms (before the first: waited " +
          fixed(simulated.map_ms, 0) + " ms for the tissue map" +
          (result.kept.tissue_map ? ", cached, " : ", ") + rounded(simulated.once_ms) +
-         " ms for beam and speckle)\nsimulator   " + sim::to_string(simulated.fidelity.rung) +
-         ": " + simulated.fidelity.reason + "\n";
+         " ms for beam and speckle" + (result.kept.echoes ? ", cached" : "") + ")\nsimulator   " +
+         sim::to_string(simulated.fidelity.rung) + ": " + simulated.fidelity.reason + "\n";
 }
 
 std::string board_line(const hw::BoardAccount& account) {
@@ -180,7 +180,9 @@ std::string run_report(const RunResult& result,
     }
   }
   if (tolerance) report["tolerance"] = tolerance_json(*tolerance);
-  report["cached"] = {{"phantom", result.kept.phantom}, {"tissue_map", result.kept.tissue_map}};
+  report["cached"] = {{"phantom", result.kept.phantom},
+                      {"tissue_map", result.kept.tissue_map},
+                      {"echoes", result.kept.echoes}};
   report["wall_ms"] = wall_json(times);
   return report_text(report);
 }

@@ -331,7 +331,8 @@ int stream(const Arguments& arguments) {
     render::Renderer renderer(*context, scene.plan(), scene.render());
     progress.step("shaders", [&] { renderer.compile(); });
     const sim::TissueMapSource maps = kept_maps(cache.tissue_maps());
-    const auto source = progress.step("scene", [&] { return board.connect(scene, maps); });
+    const auto source =
+        progress.step("scene", [&] { return board.connect(scene, maps, cache.echoes(scene)); });
     const ExportedScan scan = scan_to_send(source, scene);
     if (sender) begin_sending(*sender, scan);
     // Until here an interrupt ends the command at once, as there is nothing to keep.

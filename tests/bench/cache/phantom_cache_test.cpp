@@ -10,10 +10,14 @@
 #include <fstream>
 #include <initializer_list>
 #include <set>
+#include <string>
 #include <thread>
 #include <utility>
+#include <vector>
 
+#include "bench/scene/resolved_scene.h"
 #include "phantoms/io/phantom_bytes.h"
+#include "sim/probe_simulator.h"
 #include "sim/tissue/tissue_map.h"
 #include "tests/support/folder_test.h"
 
@@ -208,6 +212,42 @@ TEST_F(PhantomCacheTest, AnImportedFileIsKnownByItsContent) {
   write_tetrahedron(41);
   EXPECT_NE(phantoms::to_bytes(cache.phantom(options)), made);
   EXPECT_FALSE(cache.kept().phantom);
+}
+
+TEST_F(PhantomCacheTest, EchoesAreThoseOfTheirSceneWhateverIsRendered) {
+  const auto scanned = [&](const std::vector<std::string>& settings) {
+    std::vector<std::string> all = {"phantom.name=sphere",
+                                    "phantom.voxel_mm=2",
+                                    "acquisition.frames_per_volume=5",
+                                    "acquisition.sticks_per_frame=9",
+                                    "simulation.seed=3"};
+    all.insert(all.end(), settings.begin(), settings.end());
+    const Scene given = load_scene({}, all);
+    PhantomCache cache(blobs_);
+    const ResolvedScene scene = resolve_scene(given, cache.phantom(given.phantom));
+    const auto volume = [&](const sim::EchoStore& echoes) {
+      return sim::ProbeSimulator(*scene.subject(), scene.plan(), scene.simulation(), {}, echoes)
+          .volume(1);
+    };
+    EXPECT_EQ(volume(cache.echoes(scene)), volume({}));
+    return cache.kept().echoes;
+  };
+  EXPECT_FALSE(scanned({}));
+  EXPECT_TRUE(scanned({}));
+  EXPECT_TRUE(scanned({"render.view.yaw_deg=10", "render.preset=baseline"}));
+  for (const char* other : {"simulation.seed=4",
+                            "simulation.fidelity=scatterers",
+                            "simulation.clutter.haze_db=-10",
+                            "probe.preset=c5-2v",
+                            "acquisition.depth_mm=150",
+                            "placement.position_mm=[1, 0, 110]",
+                            "phantom.radius_mm=25"}) {
+    EXPECT_FALSE(scanned({other})) << other;
+    EXPECT_TRUE(scanned({other})) << other;
+  }
+  // Each volume of a motion has echoes of its own.
+  EXPECT_FALSE(scanned({"motion.velocity_mm_s=[5, 0, 0]"}));
+  EXPECT_FALSE(scanned({"motion.velocity_mm_s=[5, 0, 0]"}));
 }
 
 TEST_F(PhantomCacheTest, RefusesAsWithoutACache) {

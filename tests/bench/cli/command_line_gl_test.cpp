@@ -69,8 +69,8 @@ TEST_F(CommandLine, ARunFromTheCacheIsTheSameRun) {
     return nlohmann::json::parse(result.out);
   };
   const fs::path cache = at("cache");
-  const nlohmann::json made = {{"phantom", false}, {"tissue_map", false}};
-  const nlohmann::json kept = {{"phantom", true}, {"tissue_map", true}};
+  const nlohmann::json made = {{"phantom", false}, {"tissue_map", false}, {"echoes", false}};
+  const nlohmann::json kept = {{"phantom", true}, {"tissue_map", true}, {"echoes", true}};
   EXPECT_EQ(run("without", {"--no-cache"}, cache).at("timing").at("cached"), made);
   EXPECT_FALSE(fs::exists(cache / "wobblebench")) << "the folder itself is the GL's too";
   EXPECT_EQ(run("cold", {}, cache).at("timing").at("cached"), made);
