@@ -74,13 +74,17 @@ Json link_json(const hw::LinkCapabilities& link) {
 }
 
 Json display_scale_json(const hw::DisplayScale& scale) {
-  if (!scale.stated()) return nullptr;
-  return {{"full_scale_db", scale.full_scale_db},
+  if (!scale.knows_range()) return nullptr;
+  const auto stated = [&](double value) { return scale.stated() ? Json(value) : Json(nullptr); };
+  return {{"full_scale_db", stated(scale.full_scale_db)},
           {"dynamic_range_db", scale.dynamic_range_db},
-          {"tgc_db_per_cm_mhz", scale.tgc_db_per_cm_mhz}};
+          {"tgc_db_per_cm_mhz", stated(scale.tgc_db_per_cm_mhz)}};
 }
 
 std::string display_scale_text(const hw::DisplayScale& scale) {
+  if (scale.range_alone) {
+    return "dynamic range " + significant(scale.dynamic_range_db, 6) + " dB; the rest is unknown";
+  }
   if (!scale.stated()) return "unknown: the samples do not say";
   return "full scale " + significant(scale.full_scale_db, 6) + " dB, dynamic range " +
          significant(scale.dynamic_range_db, 6) + " dB, TGC " +

@@ -248,9 +248,6 @@ std::string summary(const std::vector<FileRequest>& requests,
        << plan.samples_per_stick << " samples, "
        << (scan.simulated ? "simulated" : "a recording of hardware: its truth is not known")
        << "\n";
-  if (exported.missing_sticks > 0) {
-    text << "missing     " << exported.missing_sticks << " sticks, whose samples are 0\n";
-  }
   if (exported.clamped > 0) {
     text << "samples     " << exported.clamped << " out of range and clamped\n";
   }
@@ -259,6 +256,16 @@ std::string summary(const std::vector<FileRequest>& requests,
          << significant(static_cast<double>(fs::file_size(request.path)) / 1e6, 4) << " MB\n";
   }
   return text.str();
+}
+
+/// Empty: all are there.
+std::string missing_text(int sticks) {
+  if (sticks == 0) return "";
+  return std::to_string(sticks) +
+         (sticks == 1 ? " stick was lost: its" : " sticks were lost: their") +
+         " samples are 0 in the files, of which only .npz says so (`arrived`); whoever reads "
+         "another "
+         "takes them for black echoes";
 }
 
 std::optional<Truth> truth_of(const ResolvedScene& scene,
@@ -326,6 +333,7 @@ int export_scan(const Arguments& arguments) {
   ExportedScan scan{.scene = scene,
                     .display_scale = display_scale(stream, scene.options()),
                     .simulated = scene.subject().has_value(),
+                    .knows_times = !stream.configuration || stream.configuration->knows_times,
                     .volumes = volumes,
                     .labels = {}};
   if (scene.subject()) scan.labels.emplace(scene, maps);
@@ -338,6 +346,7 @@ int export_scan(const Arguments& arguments) {
     return stream_to(writers, stream, passes ? passes->stream.get() : nullptr, volumes, done);
   });
   progress.warn(board.left_out());
+  progress.warn(missing_text(exported.missing_sticks));
   warn_of_motor(exported.motor, scene.plan(), progress);
   std::optional<ExportedPicture> picture;
   if (passes) {

@@ -76,7 +76,7 @@ Json subject_json(const hw::SubjectHash& subject) {
       {"phantom", subject.phantom}, {"placement", subject.placement}, {"motion", subject.motion}};
 }
 
-Json acquisitions_json(const hw::RecordingContents& contents, bool knows_times) {
+Json acquisitions_json(const hw::RecordingContents& contents) {
   Json acquisitions = Json::array();
   for (const hw::RecordedAcquisition& one : contents.acquisitions) {
     acquisitions.push_back(
@@ -85,7 +85,7 @@ Json acquisitions_json(const hw::RecordingContents& contents, bool knows_times) 
          {"first_volume", one.volume},
          {"volumes", one.volumes},
          {"delivered", one.sticks},
-         {"acquisition", acquisition_json(one.configuration.plan, knows_times)},
+         {"acquisition", acquisition_json(one.configuration.plan, one.configuration.knows_times)},
          {"motor_angles", motor_json(one.motor)},
          {"depth_mm", one.configuration.plan.acquisition().depth_m / kMillimetre},
          {"samples_from", hw::to_string(one.configuration.source)},
@@ -95,9 +95,7 @@ Json acquisitions_json(const hw::RecordingContents& contents, bool knows_times) 
   return acquisitions;
 }
 
-Json recording_json(const std::filesystem::path& path,
-                    const hw::RecordingContents& contents,
-                    bool knows_times) {
+Json recording_json(const std::filesystem::path& path, const hw::RecordingContents& contents) {
   Json places = Json::array(), gaps = Json::array(), volumes = Json::array();
   Json jumps = Json::array();
   for (const auto& place : contents.damaged_regions) {
@@ -127,7 +125,7 @@ Json recording_json(const std::filesystem::path& path,
             {"stick", contents.sticks},
             {"volume_end", contents.volume_ends},
             {"unknown", contents.other_packets}}},
-          {"acquisitions", acquisitions_json(contents, knows_times)},
+          {"acquisitions", acquisitions_json(contents)},
           {"acquisition_count", contents.acquisition_count},
           {"before_configuration", contents.unconfigured},
           {"contradictions", contents.contradictions},
@@ -139,14 +137,15 @@ Json recording_json(const std::filesystem::path& path,
           {"time_jump_count", contents.time_jump_count}};
 }
 
-void write_plan(std::ostream& text, const hw::RecordedAcquisition& of, bool knows_times) {
+void write_plan(std::ostream& text, const hw::RecordedAcquisition& of) {
   const hw::Configuration& configuration = of.configuration;
   const auto& plan = configuration.plan.acquisition();
   text << "plan        " << plan.frames_per_volume << " frames of " << plan.sticks_per_frame
        << " sticks of " << plan.samples_per_stick << " samples, depth "
        << plan.depth_m / kMillimetre << " mm, "
-       << (knows_times ? significant(1 / configuration.plan.stick_period_s(), 4) + " lines/s"
-                       : "times not known")
+       << (configuration.knows_times
+               ? significant(1 / configuration.plan.stick_period_s(), 4) + " lines/s"
+               : "times not known")
        << "; samples " << hw::to_string(configuration.source) << "\nscale       "
        << display_scale_text(configuration.display_scale) << "\n";
   const std::string motor = motor_text(of.motor, configuration.plan);
@@ -154,11 +153,9 @@ void write_plan(std::ostream& text, const hw::RecordedAcquisition& of, bool know
 }
 
 /// One, as almost always, without its number.
-void write_acquisitions(std::ostream& text,
-                        const hw::RecordingContents& contents,
-                        bool knows_times) {
+void write_acquisitions(std::ostream& text, const hw::RecordingContents& contents) {
   const auto& acquisitions = contents.acquisitions;
-  if (contents.acquisition_count == 1) return write_plan(text, acquisitions.front(), knows_times);
+  if (contents.acquisition_count == 1) return write_plan(text, acquisitions.front());
   if (acquisitions.empty()) return;
   text << "acquisitions " << contents.acquisition_count
        << ", one after the other; --board file=RECORDING,acquisition=N takes one\n";
@@ -167,7 +164,7 @@ void write_acquisitions(std::ostream& text,
     text << "acquisition " << i + 1 << ", from byte " << one.offset << ": "
          << count(one.volumes, "volume") << " from volume " << one.volume << " on, "
          << count(one.sticks, "stick") << "\n";
-    write_plan(text, one, knows_times);
+    write_plan(text, one);
   }
 }
 
@@ -224,19 +221,18 @@ void write_faults(std::ostream& text, const hw::RecordingContents& contents) {
 
 /// The text of report.json.
 std::string inspection_report(const std::filesystem::path& path,
-                              const hw::RecordingContents& contents,
-                              bool knows_times) {
+                              const hw::RecordingContents& contents) {
   Provenance provenance = provenance_of_this_machine();
   provenance.board = "recording";
   Json report = {{"schema", kReportSchema},
                  {"command", "inspect"},
                  {"provenance", to_json(provenance)},
                  {"board", account_json(contents.account)},
-                 {"recording", recording_json(path, contents, knows_times)},
+                 {"recording", recording_json(path, contents)},
                  {"checks", to_json(checks_of(contents))},
                  {"warnings", Json::array()}};
   if (const auto& configuration = contents.configuration) {
-    report["acquisition"] = acquisition_json(configuration->plan, knows_times);
+    report["acquisition"] = acquisition_json(configuration->plan, configuration->knows_times);
     report["acquisition"]["motor_angles"] = motor_json(contents.acquisitions.front().motor);
     report["board"]["samples_from"] = hw::to_string(configuration->source);
     report["recording"]["subject"] = subject_json(configuration->subject);
@@ -247,12 +243,11 @@ std::string inspection_report(const std::filesystem::path& path,
 
 /// A few lines for a terminal.
 std::string inspection_summary(const std::filesystem::path& path,
-                               const hw::RecordingContents& contents,
-                               bool knows_times) {
+                               const hw::RecordingContents& contents) {
   std::ostringstream text;
   text << "file        " << path.string() << ", " << std::setprecision(4)
        << static_cast<double>(contents.bytes) / 1e6 << " MB\n";
-  write_acquisitions(text, contents, knows_times);
+  write_acquisitions(text, contents);
   text << "packets     " << contents.configurations << " configurations, " << contents.sticks
        << " sticks, " << contents.volume_ends << " volume ends\n";
   write_volumes(text, contents);
@@ -297,9 +292,8 @@ int inspect_foreign(const InspectArguments& arguments) {
   const ForeignScan scan = open_foreign_scan(arguments.recording, arguments.geometry);
   const FileDescriptor file = recorded(scan);
   const auto contents = hw::inspect_recording(descriptor_path(file));
-  std::cout << (arguments.json
-                    ? inspection_report(arguments.recording, contents, false)
-                    : inspection_summary(arguments.recording, contents, false) + scan.summary);
+  std::cout << (arguments.json ? inspection_report(arguments.recording, contents)
+                               : inspection_summary(arguments.recording, contents) + scan.summary);
   return kDone;
 }
 
@@ -314,8 +308,8 @@ int inspect(const InspectArguments& arguments) {
   try {
     const auto contents = hw::inspect_recording(arguments.recording);
     if (!arguments.salvage.empty()) salvage(arguments.recording, arguments.salvage);
-    std::cout << (arguments.json ? inspection_report(arguments.recording, contents, true)
-                                 : inspection_summary(arguments.recording, contents, true));
+    std::cout << (arguments.json ? inspection_report(arguments.recording, contents)
+                                 : inspection_summary(arguments.recording, contents));
     return contents.damaged() ? 1 : 0;
   } catch (const hw::LinkOpenError& error) {
     throw UserError(error.what());

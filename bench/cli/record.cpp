@@ -53,7 +53,6 @@ struct RecordResult {
   hw::LinkCapabilities link;
   std::optional<sim::Fidelity> fidelity;  ///< none: the sticks come from a recording or a card
   bool with_iq = false;
-  bool knows_times = true;     ///< false: the plan's are not those of the scan
   std::optional<Scene> scene;  ///< as resolved; none: likewise
 };
 
@@ -159,7 +158,7 @@ std::string record_report(const RecordResult& result, Scene scene) {
     for (const char* unknown : {"phantom", "placement", "motion"})
       report["scene"][unknown] = nullptr;
   }
-  report["acquisition"] = acquisition_json(scene.plan(), result.knows_times);
+  report["acquisition"] = acquisition_json(scene.plan(), configuration.knows_times);
   report_fidelity(report, result.fidelity);
   if (!result.fidelity) report_stream_scale(report, configuration.display_scale);
   report["board"] = account_json(progress.account);
@@ -340,7 +339,6 @@ CommandResult record_to(OutputFolder& out,
   result.end = record(recorder, sink, iq.get(), arguments, progress);
   result.progress = recorder.progress();
   result.link = link->capabilities();
-  result.knows_times = knows_times(board);
   const std::string loss = result.end == hw::RecordingEnd::lost ? link->loss() : "";
   if (!result.progress.configuration) {
     const bool is_ours = result.end == hw::RecordingEnd::stop_requested;

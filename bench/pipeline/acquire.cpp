@@ -24,25 +24,20 @@ void check_balance(const hw::BoardAccount& account) {
 /// Over which linear envelopes are displayed: the scene's choice, or else the stream's.
 double dynamic_range_db(const Scene& scene, const hw::DisplayScale& scale) {
   const bool is_chosen = scene.given.contains("simulation.dynamic_range_db");
-  return scale.stated() && !is_chosen ? scale.dynamic_range_db : scene.simulation.dynamic_range_db;
+  return scale.knows_range() && !is_chosen ? scale.dynamic_range_db
+                                           : scene.simulation.dynamic_range_db;
 }
 
-/// The scene with the dynamic range of samples whose scale the stream does not state, from what
-/// describes them; a warning where nothing does and the found surface depends on it.
-Scene with_described_range(Scene scene, const BoardArguments& board, Progress& progress) {
+/// Where the found surface depends on a dynamic range that nothing says.
+void warn_of_range(const Scene& scene, Progress& progress) {
   const bool is_chosen = scene.given.contains("simulation.dynamic_range_db") ||
                          scene.given.contains("render.reconstruction.display_range_db");
-  if (is_chosen) return scene;
-  if (const auto range_db = described_range_db(board)) {
-    scene.simulation.dynamic_range_db = *range_db;
-  } else if (render::has_stick_levels(scene.render)) {
-    progress.warn(
-        "render.reconstruction.display_range_db: the dynamic range of the samples is not known and "
-        "taken to be " +
-        significant(scene.simulation.dynamic_range_db, 4) +
-        " dB, by which render.ray_casting.below_tissue_db counts");
-  }
-  return scene;
+  if (is_chosen || !render::has_stick_levels(scene.render)) return;
+  progress.warn(
+      "render.reconstruction.display_range_db: the dynamic range of the samples is not known and "
+      "taken to be " +
+      significant(scene.simulation.dynamic_range_db, 4) +
+      " dB, by which render.ray_casting.below_tissue_db counts");
 }
 
 /// With the phantom of the scene.
@@ -76,9 +71,7 @@ ResolvedScene BoardConnection::resolve(const Scene& given,
   Scene scene = with_display_scale(with_plan(given, configuration_->plan, name()),
                                    configuration_->display_scale);
   configuration_->plan = {scene.probe, configuration_->plan.acquisition()};
-  if (!configuration_->display_scale.stated()) {
-    scene = with_described_range(std::move(scene), arguments_, progress);
-  }
+  if (!configuration_->display_scale.knows_range()) warn_of_range(scene, progress);
   if (configuration_->source != hw::StreamOrigin::simulated) {
     warn_of_scene(scene, SampleSource::unknown_subject, progress);
     return resolve_scene(std::move(scene), std::nullopt);
@@ -185,7 +178,7 @@ Acquisition BoardConnection::acquire(const StreamSource& source,
           .off_plan_s = result.reader.off_plan_s,
           .ending = result.reader.ending,
           .board = arguments_.text,
-          .knows_times = knows_times(arguments_)};
+          .knows_times = kept.configuration.knows_times};
 }
 
 }  // namespace wobblebench::bench

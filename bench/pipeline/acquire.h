@@ -46,7 +46,7 @@ struct Acquisition {
   double off_plan_s = 0;    ///< ReaderStatistics::off_plan_s
   std::string ending;       ///< why the stream broke off; empty: it did not
   std::string board;        ///< what --board was given
-  bool knows_times = true;  ///< bench::knows_times() of it
+  bool knows_times = true;  ///< hw::Configuration::knows_times
 };
 
 /// One board: of --board, or of the scene's simulator.

@@ -6,7 +6,6 @@
 #include "bench/exchange/igtl/left_out.h"
 #include "bench/exchange/igtl/sockets.h"
 #include "bench/exchange/input/foreign_scan.h"
-#include "bench/exchange/input/geometry.h"
 #include "bench/exchange/input/igtl_link.h"
 #include "hw/recording/file_link.h"
 
@@ -19,14 +18,6 @@ constexpr const char* kLinks =
 
 bool is_foreign(const BoardArguments& board) {
   return board.link.link == "file" && foreign_format(board.link.value) != ForeignFormat::none;
-}
-
-void refuse_real_time(const BoardArguments& board) {
-  const auto options =
-      of_board(board.text, [&] { return read_link_options<hw::FileLinkOptions>(board); });
-  if (options.pace != hw::Pace::realtime) return;
-  throw board_refusal(board.text,
-                      "pace = realtime: must be asap; the times of this file are not known");
 }
 
 bool is_igtl(const BoardArguments& board) {
@@ -76,7 +67,6 @@ BoardArguments parse_board(const std::string& text) {
   if (is_igtl(board)) return with_igtl(std::move(board));
   if (!is_simulated(board)) {
     check_outside(board, kLinks);
-    if (is_foreign(board)) refuse_real_time(board);
     return board;
   }
   if (!board.link.value.empty()) {
@@ -88,17 +78,6 @@ BoardArguments parse_board(const std::string& text) {
 
 bool is_simulated(const BoardArguments& board) {
   return board.link.link == "sim";
-}
-
-bool knows_times(const BoardArguments& board) {
-  return !is_foreign(board) && !is_igtl(board);
-}
-
-std::optional<double> described_range_db(const BoardArguments& board) {
-  if (board.geometry.empty()) return std::nullopt;
-  const Geometry geometry = read_geometry(board.geometry);
-  if (!geometry.has("dynamic_range_db")) return std::nullopt;
-  return geometry.dynamic_range_db;
 }
 
 std::unique_ptr<hw::Link> open_recorded_link(const BoardArguments& board) {

@@ -3,7 +3,6 @@
 
 #include <functional>
 #include <memory>
-#include <optional>
 #include <string>
 
 #include "bench/pipeline/outside_link.h"
@@ -16,12 +15,6 @@ BoardArguments parse_board(const std::string& text);
 
 /// The sticks come from the simulator.
 bool is_simulated(const BoardArguments& board);
-
-/// False for scans of other programs: the plan's times are then not those of the scan.
-bool knows_times(const BoardArguments& board);
-
-/// From black to white, as the geometry file says; nullopt: it does not, or there is none.
-std::optional<double> described_range_db(const BoardArguments& board);
 
 /// Makes the sticks of a simulated board; called for no other.
 using MakeSticks = std::function<sim::StickSource()>;

@@ -22,7 +22,9 @@ BoardReader::BoardReader(const std::string& text, ScenePointer scene)
   frames_.emplace([this] {
     const bench::ResolvedScene& resolved = scene_->resolved();
     const std::lock_guard maps_used(scene_->subject()->mutex);
-    return connection_->connect(resolved, scene_->subject()->maps);
+    auto source = connection_->connect(resolved, scene_->subject()->maps);
+    knows_times_ = !source.configuration || source.configuration->knows_times;
+    return source;
   });
 }
 
@@ -45,6 +47,7 @@ void BoardReader::open_without_scene() {
   const auto first = bench::first_configuration(*board_, arguments_.text);
   plan_ = first.configuration.plan;
   subject_ = first.configuration.subject;
+  knows_times_ = first.configuration.knows_times;
   // A recording that ends within its first volume can be read once more.
   if (board_->state() == hw::BoardState::lost) {
     board_ = std::make_unique<hw::Board>(bench::open_board_link(arguments_, {}));
@@ -73,6 +76,7 @@ VolumePointer BoardReader::next_volume() {
     if (!volume || volume->index != frame.volume) {
       volume = std::make_shared<VolumeData>(plan(), frame.volume);
       volume->subject = subject();
+      volume->knows_times = knows_times_;
     }
     volume->set_frame(frame.frame, frame.samples);
   });

@@ -45,6 +45,7 @@ class BoardReader {
   ScenePointer scene_;
   std::optional<hw::SubjectHash> subject_;  ///< of the samples, once it is known
   std::vector<std::string> warnings_;
+  bool knows_times_ = true;                   ///< known from the first frame on
   std::optional<bench::FrameSource> frames_;  ///< last: it uses the others
 };
 

@@ -43,7 +43,9 @@ py::array_t<double> stick_times_s(const VolumeData& volume) {
     for (int line = 0; line < scan.sticks_per_frame; ++line) {
       const auto stick = volume.plan.sequence(
           {volume.index, static_cast<std::uint32_t>(frame), static_cast<std::uint32_t>(line)});
-      time(frame, line) = to_seconds(volume.plan.stick_time(stick) - hw::DeviceTime{});
+      time(frame, line) = volume.knows_times
+                              ? to_seconds(volume.plan.stick_time(stick) - hw::DeviceTime{})
+                              : std::nan("");
     }
   }
   return times;
@@ -145,7 +147,9 @@ void add_volume(py::module_& module) {
           },
           "[frame]: motor angle of the frame, by the plan.")
       .def_property_readonly(
-          "times_s", stick_times_s, "[frame, line]: when each stick is fired, by the plan.")
+          "times_s",
+          stick_times_s,
+          "[frame, line]: when each stick is fired, by the plan; nan where that is not known.")
       .def_property_readonly(
           "radius_m",
           [](const VolumeData& self) { return self.plan.probe().radius_m; },

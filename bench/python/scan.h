@@ -24,6 +24,7 @@ struct VolumeData {
   hw::AcquisitionPlan plan;
   std::uint32_t index;                  ///< in the stream, from 0
   hw::SubjectHash subject;              ///< what they are of, where that is known
+  bool knows_times = true;              ///< of its sticks
   std::vector<float> samples;           ///< [frame][line][sample]
   std::vector<std::uint8_t> arrived;    ///< [frame][line]
   std::vector<double> motor_angle_rad;  ///< [frame][line]

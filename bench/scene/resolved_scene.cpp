@@ -188,9 +188,11 @@ Scene with_plan(const Scene& scene, const hw::AcquisitionPlan& plan, const std::
 }
 
 Scene with_display_scale(Scene scene, const hw::DisplayScale& scale) {
-  if (!scale.stated()) return scene;
-  scene.simulation.full_scale_db = scale.full_scale_db;
-  scene.simulation.tgc_db_per_cm_mhz = scale.tgc_db_per_cm_mhz;
+  if (!scale.knows_range()) return scene;
+  if (scale.stated()) {
+    scene.simulation.full_scale_db = scale.full_scale_db;
+    scene.simulation.tgc_db_per_cm_mhz = scale.tgc_db_per_cm_mhz;
+  }
   if (!scene.given.contains("simulation.dynamic_range_db")) {
     scene.simulation.dynamic_range_db = scale.dynamic_range_db;
   }

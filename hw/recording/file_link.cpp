@@ -33,7 +33,7 @@ DeviceTime saturated_sum(DeviceTime time, DeviceDuration duration) {
 /// When each packet of a stream is due by the plan, on the host's clock.
 class PlannedTimes {
  public:
-  /// Takes the next packet. Throws UnreadableStream.
+  /// Takes the next packet. Throws UnreadableStream; std::runtime_error where no times are known.
   HostTime due(const Packet& packet);
   /// Moves all that follows.
   void delay(HostClock::duration by);
@@ -66,6 +66,9 @@ std::optional<DeviceTime> PlannedTimes::time_of(const Packet& packet) {
   }
   const auto& configuration = std::get<ConfigurationPacket>(packet);
   const AuditResult result = audit_.take(configuration);
+  if (!configuration.knows_times) {
+    throw std::runtime_error("the times of what follows are not known; pace must be asap");
+  }
   if (result.contradicts) return {};
   const DeviceTime time = audit_.configuration().value().plan.stick_time(configuration.sequence);
   if (result.accepted) {
@@ -115,6 +118,7 @@ class FileLink::Impl {
 
   Extent find_acquisition(int number) const;
   std::uint64_t find_volume(std::uint32_t volume) const;
+  void refuse_unknown_times() const;
   LoopLength measure_repetition();
   void skip_pause();
   ReadResult read_raw(std::span<std::byte> buffer);
@@ -185,6 +189,7 @@ FileLink::Impl::Impl(const std::filesystem::path& path, const FileLinkOptions& o
   if (options.start_volume > 0) {
     start_ = find_volume(static_cast<std::uint32_t>(options.start_volume));
   }
+  if (options.pace == Pace::realtime) refuse_unknown_times();
   if (options.loop) repetition_ = measure_repetition();
   offset_ = start_;
   reader_.emplace(file_, start_, end_);
@@ -231,6 +236,22 @@ std::uint64_t FileLink::Impl::find_volume(std::uint32_t volume) const {
       "no volume of " + file_.path().string() +
           (last ? ", whose last is " + std::to_string(*last) : ", which holds no configuration") +
           unreadable);
+}
+
+/// Of the first configuration: a later one without times ends the playback (PlannedTimes).
+void FileLink::Impl::refuse_unknown_times() const {
+  RecordingReader reader(file_, start_, end_);
+  try {
+    while (const auto recorded = reader.next()) {
+      if (!recorded->packet) continue;
+      const auto* packet = std::get_if<ConfigurationPacket>(&*recorded->packet);
+      if (packet == nullptr) continue;
+      if (packet->knows_times) return;
+      throw InvalidOption("pace", "realtime", "must be asap; the times of this file are not known");
+    }
+  } catch (const UnreadableStream&) {
+    // Nothing of it is played.
+  }
 }
 
 FileLink::Impl::LoopLength FileLink::Impl::measure_repetition() {

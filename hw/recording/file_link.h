@@ -49,7 +49,8 @@ void describe(O& o, Visitor& v) {
 class FileLink : public Link {
  public:
   /// Throws LinkOpenError; InvalidOption for an acquisition or a volume that the recording does not
-  /// hold, and for a loop over a recording that cannot be repeated.
+  /// hold, for a loop over a recording that cannot be repeated, and for real time where its times
+  /// are not known.
   explicit FileLink(const std::filesystem::path& path, const FileLinkOptions& options = {});
   ~FileLink() override;
 

@@ -45,8 +45,9 @@ struct SubjectHash {
   friend bool operator==(const SubjectHash&, const SubjectHash&) = default;
 };
 
-/// Settings of the receiver between an echo and its sample. All 0: the stream does not say. Echo
-/// amplitudes are in dB relative to a perfect mirror across the beam.
+/// Settings of the receiver between an echo and its sample. All 0: the stream does not say; the
+/// dynamic range may be known alone. Echo amplitudes are in dB relative to a perfect mirror across
+/// the beam.
 ///
 /// @code
 /// #include "hw/recording/recording.h"
@@ -63,8 +64,10 @@ struct DisplayScale {
   double full_scale_db = 0;      ///< echo amplitude after TGC that becomes sample value 1
   double dynamic_range_db = 0;   ///< below full scale; log compression maps it to [0, 1]
   double tgc_db_per_cm_mhz = 0;  ///< nominal one-way loss that TGC compensates, both ways
+  bool range_alone = false;      ///< full scale and TGC are not known, and 0
 
-  bool stated() const { return *this != DisplayScale(); }
+  bool stated() const { return *this != DisplayScale() && !range_alone; }
+  bool knows_range() const { return stated() || range_alone; }
   friend bool operator==(const DisplayScale&, const DisplayScale&) = default;
 };
 
@@ -101,6 +104,8 @@ struct Configuration {
   StreamOrigin source;  ///< of the samples, also in a recording
   SubjectHash subject = {};
   DisplayScale display_scale = {};
+  /// False for scans of other programs: the plan's line rate, and the times of sticks, say nothing.
+  bool knows_times = true;
 };
 
 }  // namespace wobblebench::hw

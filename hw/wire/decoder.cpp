@@ -28,7 +28,7 @@ bool valid_shape(Bytes header, PacketKind kind, std::size_t payload_bytes) {
     case PacketKind::configuration:
       return (payload_bytes == kWireConfigurationBytes ||
               payload_bytes == kWireConfigurationBytesWithoutScale) &&
-             samples == 0 && flags == 0;
+             samples == 0 && (flags & ~(kFlagTimesNotKnown | kFlagRangeAlone)) == 0;
     case PacketKind::stick:
       return samples >= 1 && samples <= kWireMaxSamples &&
              payload_bytes == stick_payload_bytes(samples) &&
@@ -103,6 +103,9 @@ std::optional<Packet> parse_configuration(Bytes packet) {
     if (offset >= payload.size()) return;  // from before the display scale
     value = get<std::remove_reference_t<decltype(value)>>(payload, offset);
   });
+  const auto flags = get<std::uint32_t>(packet, kFlagsOffset);
+  parsed.knows_times = (flags & kFlagTimesNotKnown) == 0;
+  parsed.display_scale.range_alone = (flags & kFlagRangeAlone) != 0;
   return parsed;
 }
 

@@ -44,7 +44,9 @@ void encode(const ConfigurationPacket& packet, std::vector<std::byte>& out) {
   visit_configuration(copy, [&](std::size_t offset, auto& value) { put(payload + offset, value); });
   put(payload + kMotorModeOffset, static_cast<std::uint32_t>(packet.acquisition.motor));
   put(payload + kSourceOffset, static_cast<std::uint32_t>(packet.source));
-  seal(header, kWireConfigurationBytes, 0, WireCrc::crc32c);
+  const std::uint32_t flags = (packet.knows_times ? 0 : kFlagTimesNotKnown) |
+                              (packet.display_scale.range_alone ? kFlagRangeAlone : 0);
+  seal(header, kWireConfigurationBytes, flags, WireCrc::crc32c);
 }
 
 void encode(const Stick& stick, std::vector<std::byte>& out, WireCrc crc) {

@@ -33,6 +33,8 @@ enum class PacketKind : std::uint16_t { configuration = 1, stick = 2, volume_end
 /// Bits of the header's flags; all others are zero.
 inline constexpr std::uint32_t kFlagCrcUnchecked = 1;
 inline constexpr std::uint32_t kFlagLinearEnvelope = 2;
+inline constexpr std::uint32_t kFlagTimesNotKnown = 4;  ///< Configuration::knows_times
+inline constexpr std::uint32_t kFlagRangeAlone = 8;     ///< DisplayScale::range_alone
 
 /// The acquisition of the sticks that follow. At the start of every volume.
 struct ConfigurationPacket {
@@ -44,6 +46,7 @@ struct ConfigurationPacket {
   AcquisitionOptions acquisition;
   SubjectHash subject = {};
   DisplayScale display_scale = {};
+  bool knows_times = true;
 };
 
 struct StickPacket {

@@ -21,7 +21,7 @@ constexpr std::uint64_t kSequenceEnd = std::uint64_t{1} << 52;
 
 AcquisitionPlan plan_of(const ConfigurationPacket& packet) {
   try {
-    if (packet.display_scale.stated()) check_options(packet.display_scale);
+    if (packet.display_scale.knows_range()) check_options(packet.display_scale);
     return {packet.probe, packet.acquisition};
   } catch (const InvalidOption& error) {
     throw UnreadableStream(std::string("the device's configuration is not possible: ") +
@@ -33,7 +33,8 @@ bool same_plan(const Configuration& configuration, const ConfigurationPacket& pa
   return configuration.plan.probe() == packet.probe &&
          configuration.plan.acquisition() == packet.acquisition &&
          configuration.source == packet.source && configuration.subject == packet.subject &&
-         configuration.display_scale == packet.display_scale;
+         configuration.display_scale == packet.display_scale &&
+         configuration.knows_times == packet.knows_times;
 }
 
 // The stream may continue beyond the plan's number of volumes. Before a configuration any number is
@@ -131,7 +132,8 @@ void SequenceTracker::restart() {
 }
 
 AuditResult StreamAudit::take(const ConfigurationPacket& packet) {
-  Configuration configuration{plan_of(packet), packet.source, packet.subject, packet.display_scale};
+  Configuration configuration{
+      plan_of(packet), packet.source, packet.subject, packet.display_scale, packet.knows_times};
   const bool has_its_number = fits(configuration.plan, packet);
   const bool restarts = has_its_number && goes_back(packet.sequence);
   const bool repeated = configuration_ && same_plan(*configuration_, packet) && !restarts;

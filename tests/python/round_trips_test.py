@@ -70,7 +70,7 @@ class RoundTrips(unittest.TestCase):
         code, said = self.run_program("export", self.at / "run", "--to", self.at / f"scan.{ending}{how}", allowed=(0, 2))
         if code == 2:
             return False
-        self.assertIn(f"missing     {lost} sticks" if lost else "scan ", said)
+        self.assertIn(f"{lost} sticks were lost" if lost else "scan ", said)
         if lost:  # no format but ours says which sticks are missing: the line above is what a reader has
             return False
         board = f"file={self.at}/scan.{ending}"

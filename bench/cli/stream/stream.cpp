@@ -194,6 +194,7 @@ ExportedScan scan_to_send(const StreamSource& source, const ResolvedScene& scene
   return {.scene = scene,
           .display_scale = source.configuration ? source.configuration->display_scale : simulated,
           .simulated = scene.subject().has_value(),
+          .knows_times = !source.configuration || source.configuration->knows_times,
           .labels = {}};
 }
 
@@ -339,7 +340,7 @@ int stream(const Arguments& arguments) {
     stop_in_order();
 
     StreamReport report;
-    report.knows_times = knows_times(parse_board(arguments.board));
+    report.knows_times = scan.knows_times;
     report.queue = queue_options(arguments);
     report.result = stream_to(sink, source, renderer, scene, arguments, sender.get(), progress);
     if (sender) report.sent = sender->finish(end_of(report.result));

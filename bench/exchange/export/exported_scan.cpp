@@ -91,8 +91,9 @@ std::vector<std::pair<std::string, std::string>> ExportedScan::fields() const {
       {"wobblebench_fan_deg", number(scan.fan_rad / kDegree)},
       {"wobblebench_depth_mm", number(scan.depth_m / kMillimetre)}};
   add_aperture(plan().probe(), display_scale, fields);
-  if (!display_scale.stated()) return fields;
+  if (!display_scale.knows_range()) return fields;
   fields.emplace_back("wobblebench_dynamic_range_db", number(display_scale.dynamic_range_db));
+  if (!display_scale.stated()) return fields;
   fields.emplace_back("wobblebench_full_scale_db", number(display_scale.full_scale_db));
   fields.emplace_back("wobblebench_tgc_db_per_cm_mhz", number(display_scale.tgc_db_per_cm_mhz));
   return fields;

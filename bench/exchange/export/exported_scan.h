@@ -95,6 +95,7 @@ struct ExportedScan {
   const ResolvedScene& scene;
   hw::DisplayScale display_scale;  ///< unstated where the stream does not state it
   bool simulated = true;
+  bool knows_times = true;  ///< of its sticks
   std::uint32_t volumes = 1;
   std::optional<TissueLabels> labels;  ///< none: the subject is not known
 
@@ -122,7 +123,7 @@ class ScanWriter {
 };
 
 /// Seconds from the first exported stick to the middle of a frame, and to the begin of a volume, by
-/// the plan.
+/// the plan. Only of a scan that knows its times.
 double frame_time_s(const hw::AcquisitionPlan& plan,
                     std::uint32_t first_volume,
                     std::uint32_t volume,

@@ -16,6 +16,7 @@
 #include "bench/exchange/files/nrrd.h"
 #include "bench/exchange/files/out_file.h"
 #include "bench/output/report_parts.h"
+#include "hw/probe/beam_width.h"
 #include "phantoms/label_finder.h"
 
 namespace wobblebench::bench {
@@ -172,16 +173,17 @@ class GridWriter : public ScanWriter {
     return nrrd_text(header);
   }
 
-  /// As 3D Slicer has it: the last axis, with the times of the volumes.
+  /// As 3D Slicer has it: the last axis, with the times of the volumes, or else their numbers.
   void add_time_axis(NrrdHeader& header) const {
     header.sizes.push_back(scan_.volumes);
     header.kinds.emplace_back("list");
-    header.labels.emplace_back("time_s");
+    header.labels.emplace_back(scan_.knows_times ? "time_s" : "volume");
     if (!header.directions_mm.empty()) header.directions_mm.emplace_back();
     std::string times;
     for (std::uint32_t v = 0; v < scan_.volumes; ++v) {
-      const double time_s = volume_time_s(scan_.plan(), first_.value(), first_.value() + v);
-      times.append(v > 0 ? " " : "").append(significant(time_s, 12));
+      const double at =
+          scan_.knows_times ? volume_time_s(scan_.plan(), first_.value(), first_.value() + v) : v;
+      times.append(v > 0 ? " " : "").append(significant(at, 12));
     }
     header.fields.emplace_back("axis 3 index type", "numeric");
     header.fields.emplace_back("axis 3 index values", times);
@@ -227,7 +229,9 @@ class GridWriter : public ScanWriter {
         const auto add = [&](const std::string& name, const std::string& value) {
           all.emplace_back(frame_field(number, name), value);
         };
-        add("Timestamp", fixed(frame_time_s(scan_.plan(), first_.value(), index, frame), 9));
+        if (scan_.knows_times) {
+          add("Timestamp", fixed(frame_time_s(scan_.plan(), first_.value(), index, frame), 9));
+        }
         add("ImageStatus", "OK");
         add("MotorAngleDeg", significant(phi_rad / kDegree, 12));
         if (content_ == Content::planes) {
@@ -374,8 +378,10 @@ class DicomWriter : public ScanWriter {
                        .origin_mm = grid_.low_m / kMillimetre,
                        .face_mm = plan.probe().radius_m / kMillimetre,
                        .depth_mm = plan.acquisition().depth_m / kMillimetre,
-                       .focus_mm = plan.probe().transmit_focus_m / kMillimetre};
-    volume.duration_ms = 1e3 * volume_time_s(plan, 0, 1);
+                       .focus_mm = hw::knows_array(plan.probe())
+                                       ? plan.probe().transmit_focus_m / kMillimetre
+                                       : 0};
+    volume.duration_ms = scan_.knows_times ? 1e3 * volume_time_s(plan, 0, 1) : 0;
     volume.patient = scan_.simulated ? "SIMULATED^WOBBLEBENCH" : "UNKNOWN^WOBBLEBENCH";
     volume.description = scan_.simulated ? "SIMULATED by wobblebench" : "recording of hardware";
     const std::string version = version_line("wobblebench");

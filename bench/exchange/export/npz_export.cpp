@@ -65,7 +65,8 @@ class NpzWriter : public ScanWriter {
       const auto sequence = plan.sequence(
           {volume, static_cast<std::uint32_t>(frame), static_cast<std::uint32_t>(line)});
       const auto since = plan.stick_time(sequence) - plan.stick_time(plan.first_sequence(first_));
-      time_s_.push_back(std::chrono::duration<double>(since).count());
+      const double since_s = std::chrono::duration<double>(since).count();
+      time_s_.push_back(scan_.knows_times ? since_s : std::nan(""));
     }
   }
 
@@ -89,10 +90,10 @@ class NpzWriter : public ScanWriter {
     file_.number("radius_mm", plan.probe().radius_m / kMillimetre);
     file_.number("wobble_radius_mm", plan.probe().wobble_radius_m / kMillimetre);
     const auto& scale = scan_.display_scale;
-    const auto known = [&](double value) { return scale.stated() ? value : std::nan(""); };
-    file_.number("full_scale_db", known(scale.full_scale_db));
-    file_.number("dynamic_range_db", known(scale.dynamic_range_db));
-    file_.number("tgc_db_per_cm_mhz", known(scale.tgc_db_per_cm_mhz));
+    const auto known = [](bool is, double value) { return is ? value : std::nan(""); };
+    file_.number("full_scale_db", known(scale.stated(), scale.full_scale_db));
+    file_.number("dynamic_range_db", known(scale.knows_range(), scale.dynamic_range_db));
+    file_.number("tgc_db_per_cm_mhz", known(scale.stated(), scale.tgc_db_per_cm_mhz));
     file_.texts("source", {scan_.simulated ? "simulated" : "recording of hardware"});
   }
 

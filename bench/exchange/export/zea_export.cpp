@@ -16,7 +16,7 @@ class ZeaWriter : public ScanWriter {
  public:
   ZeaWriter(const std::filesystem::path& path, const ExportedScan& scan)
       : scan_(scan), file_(make_hdf5_maps(path, attributes(scan))) {
-    const bool known = scan.display_scale.stated();
+    const bool known = scan.display_scale.knows_range();
     add_map("image",
             known ? MapType::f32 : MapType::u8,
             known ? "dB" : "-",
@@ -119,7 +119,7 @@ class ZeaWriter : public ScanWriter {
   }
 
   void write_image(const hw::PolarVolume& volume) {
-    const bool known = scan_.display_scale.stated();
+    const bool known = scan_.display_scale.knows_range();
     std::vector<float> db(position_m_.size());
     std::vector<std::uint8_t> grey(position_m_.size());
     each([&](std::uint64_t i, int frame, int line, int k) {

@@ -18,8 +18,8 @@ struct DicomVolume {
   glm::dvec3 origin_mm{0};  ///< of the first voxel's centre; columns along x, rows along y
   double face_mm = 0;       ///< z of the middle of the probe's face
   double depth_mm = 0;      ///< of the scan
-  double focus_mm = 0;      ///< depth of the transmit focus
-  double duration_ms = 0;   ///< of the volume's acquisition
+  double focus_mm = 0;      ///< depth of the transmit focus; 0: not known
+  double duration_ms = 0;   ///< of the volume's acquisition; 0: not known
   std::string patient;      ///< "SIMULATED^WOBBLEBENCH": what the file is marked as
   std::string description;
   std::string version;               ///< of this program

@@ -49,7 +49,8 @@ std::vector<std::byte> packets_of_volume(const ForeignScan& scan,
                                      .source = hw::StreamOrigin::hardware,
                                      .probe = plan.probe(),
                                      .acquisition = plan.acquisition(),
-                                     .display_scale = scan.display_scale},
+                                     .display_scale = scan.display_scale,
+                                     .knows_times = false},
              bytes);
   const auto samples = static_cast<std::ptrdiff_t>(plan.acquisition().samples_per_stick);
   auto at = values.begin();

@@ -201,7 +201,10 @@ std::string summary_of(const Described& described,
 }
 
 hw::DisplayScale scale_of(const Geometry& geometry) {
-  if (!geometry.has("full_scale_db")) return {};
+  if (!geometry.has("dynamic_range_db")) return {};
+  if (!geometry.has("full_scale_db")) {
+    return {.dynamic_range_db = geometry.dynamic_range_db, .range_alone = true};
+  }
   return {geometry.full_scale_db, geometry.dynamic_range_db, geometry.tgc_db_per_cm_mhz};
 }
 

@@ -20,7 +20,7 @@ namespace wobblebench::bench {
 struct ForeignScan {
   std::filesystem::path path;
   hw::AcquisitionPlan plan;        ///< with its number of volumes
-  hw::DisplayScale display_scale;  ///< unstated unless the full scale is known
+  hw::DisplayScale display_scale;  ///< what of it the geometry says
   std::vector<double> motor_rad;   ///< angle of each frame
   /// Samples of a volume, [frame][line][sample], 0 to 1 over the dynamic range; of `frames` alone,
   /// unless that is empty. Throws UserError.

@@ -101,15 +101,16 @@ IgtlHead StreamSender::head(const char* device,
                             int lost) const {
   const double newest_s = seconds(last.device);
   IgtlHead head{.device = device,
-                .timestamp = igtl_timestamp(std::max(newest_s, 0.0)),
+                .timestamp = scan_->knows_times ? igtl_timestamp(std::max(newest_s, 0.0)) : 0,
                 .version = IgtlHeaderVersion{arguments_.options.header}};
   head.metadata = {{"wobblebench_source", scan_->simulated ? "simulated" : "recording of hardware"},
                    {"wobblebench_volume", std::to_string(volume)},
-                   {"wobblebench_first_stick_s", fixed(seconds(first.device), 9)},
-                   {"wobblebench_newest_stick_s", fixed(newest_s, 9)},
                    {"wobblebench_lost_sticks", std::to_string(lost)},
                    {"wobblebench_age_newest_ms", fixed(age_ms(last), 3)},
                    {"wobblebench_age_from", last.fired ? "scheduled emission" : "acquisition"}};
+  if (!scan_->knows_times) return head;
+  head.metadata.emplace_back("wobblebench_first_stick_s", fixed(seconds(first.device), 9));
+  head.metadata.emplace_back("wobblebench_newest_stick_s", fixed(newest_s, 9));
   return head;
 }
 

@@ -276,7 +276,7 @@ class Volume:
 
     @property
     def times_s(self) -> numpy.ndarray:
-        """[frame, line]: when each stick is fired, by the plan."""
+        """[frame, line]: when each stick is fired, by the plan; nan where that is not known."""
 
     @property
     def radius_m(self) -> float:

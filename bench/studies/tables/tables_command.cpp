@@ -66,7 +66,7 @@ Json tables_report(const TableVolumes& volumes,
                    const Document& document) {
   Json report = report_head("tables", provenance, scene);
   report["effects"] = volumes.effects;
-  report["acquisition"] = acquisition_json(scene.plan());
+  report["acquisition"] = acquisition_json(scene.plan(), volumes.knows_times);
   if (volumes.motor.sticks > 0) {
     report["acquisition"]["motor_angles"] = motor_json(volumes.motor);
   }

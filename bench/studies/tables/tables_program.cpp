@@ -132,7 +132,8 @@ nlohmann::ordered_json report_of(const Provenance& provenance,
                                    {"command", "tables"},
                                    {"provenance", to_json(provenance)},
                                    {"effects", volumes.effects}};
-  report["acquisition"] = acquisition_json(volumes.by_frames.at(reference_row().frames).plan());
+  report["acquisition"] =
+      acquisition_json(volumes.by_frames.at(reference_row().frames).plan(), volumes.knows_times);
   report["acquisition"]["motor_angles"] = motor_json(volumes.motor);
   add_tables(report, results, run, volumes.note, document);
   return report;

@@ -17,7 +17,7 @@ hw::AcquisitionPlan narrowed(const hw::AcquisitionPlan& plan, int frames) {
   return {plan.probe(), acquisition};
 }
 
-hw::PolarVolume take_volume(std::unique_ptr<hw::Link> link, const std::string& board_text) {
+KeptVolume take_volume(std::unique_ptr<hw::Link> link, const std::string& board_text) {
   hw::Board board(std::move(link));
   const auto [configuration, before] = first_configuration(board, board_text);
   const StreamSource source{.board = board,
@@ -33,7 +33,7 @@ hw::PolarVolume take_volume(std::unique_ptr<hw::Link> link, const std::string& b
     throw UserError("--board = " + board_text + ": " + result.reader.ending + ": " +
                     std::to_string(missing) + " sticks of the volume are missing");
   }
-  return result.kept->volume;
+  return *result.kept;
 }
 
 std::string note_of(const hw::PolarVolume& volume) {
@@ -69,13 +69,15 @@ hw::PolarVolume middle_frames(const hw::PolarVolume& volume, int count) {
 TableVolumes recorded_volumes(std::unique_ptr<hw::Link> link, const std::string& board) {
   TableVolumes volumes;
   volumes.board = hw::to_string(link->capabilities().origin);
-  const hw::PolarVolume volume = [&] {
+  const KeptVolume kept = [&] {
     try {
       return take_volume(std::move(link), board);
     } catch (const NothingCame& error) {
       throw UserError(error.what());
     }
   }();
+  const hw::PolarVolume& volume = kept.volume;
+  volumes.knows_times = kept.configuration.knows_times;
   const int frames = static_cast<int>(volume.frames().size());
   const int needed = reference_row().frames;
   if (frames < needed) {

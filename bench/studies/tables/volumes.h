@@ -17,6 +17,7 @@ struct TableVolumes {
   std::string board;                 ///< origin of the sticks
   std::vector<std::string> effects;  ///< effects of the simulator that made them
   hw::MotorDeviation motor;          ///< of the reference row, where it was recorded
+  bool knows_times = true;           ///< of its sticks
   std::string note;                  ///< how they differ from what the rows ask for; a sentence
 };
 

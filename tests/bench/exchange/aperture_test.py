@@ -155,10 +155,48 @@ class Unsaid(Input):
             with open(self.path(name + "/report.json"), encoding="utf-8") as file:
                 acquisition = json.load(file)["acquisition"]
             self.assertEqual((acquisition["line_rate_hz"], acquisition["volume_time_ms"]), (None, None), name)
-        inspected = run("inspect", self.path("s.mha"), "--geometry", self.path("geometry.toml"))
-        self.assertIn("times not known", inspected)
-        self.assertNotIn("lines/s", inspected)
-        self.assertIn("pace = realtime: must be asap; the times of this file are not known", self.line(self.scan() + ",pace=realtime"))
+        recording = self.path("recorded/recording.wbst")
+        for inspected in (run("inspect", self.path("s.mha"), "--geometry", self.path("geometry.toml")), run("inspect", recording)):
+            self.assertIn("times not known", inspected)
+            self.assertNotIn("lines/s", inspected)
+        for board in (self.scan(), "file=" + recording):
+            self.assertIn("pace = realtime: must be asap; the times of this file are not known", self.line(board + ",pace=realtime"))
+
+    def test_what_a_file_does_not_say_stays_unknown_in_what_is_made_of_it(self):
+        for name, board in (("import", self.scan(dynamic_range_db=45.0)), ("recording", None)):
+            if board is None:
+                run("record", "--board", self.scan(dynamic_range_db=45.0), "--out", self.path("kept"))
+                board = "file=" + self.path("kept/recording.wbst")
+                with open(self.path("kept/report.json"), encoding="utf-8") as file:
+                    self.assertEqual(json.load(file)["recording"]["display_scale"],
+                                     {"full_scale_db": None, "dynamic_range_db": 45, "tgc_db_per_cm_mhz": None})
+            said = run("run", "--board", board, "--out", self.path(name), *settings("render.ray_casting.image_size=64"))
+            self.assertNotIn("taken to be 60 dB", said)
+            self.assertIn("the aperture of the probe is not known", said)
+            with open(self.path(name + "/report.json"), encoding="utf-8") as file:
+                report = json.load(file)
+            self.assertEqual(report["acquisition"]["volume_time_ms"], None)
+            self.assertEqual(report["scene"]["render"]["reconstruction"]["display_range_db"], 45)
+            scan = self.exported(board)
+            self.assertTrue(np.isnan(scan["time_s"]).all())
+            self.assertEqual((float(scan["dynamic_range_db"]), np.isnan(scan["full_scale_db"])), (45, True))
+            for file, content in (("back.mha", "polar"), ("back.nrrd", "polar"), ("back.seq.nrrd", "polar"), ("back.hdf5", "polar")):
+                run("export", board, "--replace", "--to", self.path(file) + ",content=" + content)
+                with open(self.path(file), "rb") as whole:
+                    text = whole.read()
+                self.assertNotIn(b"Timestamp", text)
+                self.assertNotIn(b"time_s", text)
+                if file != "back.seq.nrrd":
+                    again = self.exported("file=" + self.path(file))
+                    self.assertEqual((float(again["dynamic_range_db"]), np.isnan(again["full_scale_db"])), (45, True), file)
+
+    def test_an_export_warns_of_lost_sticks(self):
+        board = "file=" + self.write("s.mha", mha(np.full((21, 30, 200), 99, np.uint8)))
+        board += ",geometry=" + self.write("geometry.toml", geometry_text(**POLAR)) + ",faults=drop:0.1"
+        done = attempt("export", board, "--to", self.path("gaps.mha") + ",content=polar", "--to", self.path("gaps.npz") + ",content=polar")
+        lost = int((np.load(self.path("gaps.npz"))["arrived"] == 0).sum())
+        self.assertGreater(lost, 20)
+        self.assertIn(f"{lost} sticks were lost: their samples are 0 in the files", done.stderr)
 
     def test_a_dynamic_range_is_asked_where_it_is_used(self):
         keys = {key: value for key, value in POLAR.items() if key != "dynamic_range_db"}

@@ -38,6 +38,38 @@ TEST_F(FileLinks, RealtimeLastsAsLongAsTheAcquisition) {
             plan.volume_end_time(19).time_since_epoch() - std::chrono::milliseconds(1));
 }
 
+/// A stream of one volume whose configuration says that its times are not known.
+Bytes timeless(const AcquisitionPlan& plan) {
+  ConfigurationPacket packet = configuration_of(plan, 0);
+  packet.knows_times = false;
+  Bytes stream;
+  encode(packet, stream);
+  const Bytes timed = stream_of(plan);
+  stream.insert(
+      stream.end(), timed.begin() + static_cast<std::ptrdiff_t>(stream.size()), timed.end());
+  return stream;
+}
+
+TEST_F(FileLinks, RealtimeNeedsTimes) {
+  const Bytes stream = timeless(small_plan());
+  const auto path = write(stream);
+  FileLink asap(path);
+  EXPECT_EQ(all_bytes(asap, 501), stream);
+  EXPECT_TRUE(holds(
+      refusal_of<InvalidOption>([&] { const FileLink refused(path, {.pace = Pace::realtime}); }),
+      "pace = realtime: must be asap; the times of this file are not known"));
+  // Behind an acquisition that has times it ends the playback.
+  Bytes joined = stream_of(small_plan());
+  joined.insert(joined.end(), stream.begin(), stream.end());
+  FileLink link(write(joined), {.pace = Pace::realtime});
+  Bytes bytes(65536);
+  ReadResult result;
+  while ((result = link.read(bytes, patience())).status == ReadStatus::ok) {
+  }
+  EXPECT_EQ(result.status, ReadStatus::lost);
+  EXPECT_TRUE(holds(link.loss(), "the times of what follows are not known"));
+}
+
 /// What follows takes as long as if there had been no pause.
 TEST_F(FileLinks, RealtimeStandsWhileCancelled) {
   const AcquisitionPlan plan = small_plan(100);

@@ -79,6 +79,7 @@ TEST(Wire, ConfigurationCarriesEveryOption) {
   describe(packet.acquisition, perturb);
   describe(packet.display_scale, perturb);
   packet.subject = {.phantom = 0x89ABCDEF, .placement = 1, .motion = 0xFFFFFFFF};
+  packet.knows_times = false;
   const auto packets = decode(encoded(packet));
   ASSERT_EQ(packets.size(), 1U);
   const auto& decoded = std::get<ConfigurationPacket>(packets[0]);
@@ -92,6 +93,19 @@ TEST(Wire, ConfigurationCarriesEveryOption) {
   EXPECT_TRUE(decoded.subject.stated());
   EXPECT_TRUE(decoded.display_scale == packet.display_scale);
   EXPECT_TRUE(decoded.display_scale.stated());
+  EXPECT_FALSE(decoded.knows_times);
+}
+
+TEST(Wire, ADynamicRangeMayBeKnownAlone) {
+  ConfigurationPacket packet;
+  packet.display_scale = {.dynamic_range_db = 45, .range_alone = true};
+  const auto packets = decode(encoded(packet));
+  ASSERT_EQ(packets.size(), 1U);
+  const auto& decoded = std::get<ConfigurationPacket>(packets[0]);
+  EXPECT_TRUE(decoded.display_scale == packet.display_scale);
+  EXPECT_FALSE(decoded.display_scale.stated());
+  EXPECT_TRUE(decoded.display_scale.knows_range());
+  EXPECT_TRUE(decoded.knows_times);
 }
 
 /// As written before there was a display scale.
