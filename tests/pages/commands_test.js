@@ -40,6 +40,9 @@ const commands = [['run', sceneFile], ['stream', sceneFile, '--volumes', '3'], [
     '--set', 'acquisition.sticks_per_frame=8'], ['latency', sceneFile, '--volumes', '10'], ['extremes'],
   ['fit', sceneFile, '--seeds', '1'], ['tune', planFile, '--limit', 'p95_mm<=20', '--evaluations', '2', '--random'],];
 
+// Their pages begin with what was asked, in figures.
+const answering = ['run', 'stream', 'accuracy', 'trade', 'compare', 'score', 'latency', 'tune'];
+
 function make(command) {
   const out = scratch(join('commands', command[0]));
   linesOf(process.env.PAGES_PROGRAM, [...command, '--out', out]);
@@ -53,6 +56,8 @@ for (const command of commands) {
     await checkScreen(page, desktop, 'light', async (shown) => {
       const line = await shown.locator('main > .command-row pre.command').last().textContent();
       assert.ok(line.startsWith(`wobblebench ${command[0]}`), line);
+      if (!answering.includes(command[0])) return;
+      assert.equal(await shown.locator('main :is(dl.key-figures, figure)').first().evaluate((it) => it.tagName), 'DL');
     });
   });
 }

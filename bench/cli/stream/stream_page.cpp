@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <cmath>
 
-#include "base/number_text.h"
 #include "base/units.h"
 #include "bench/cli/board_report.h"
 #include "bench/output/document/figures_table.h"
 #include "bench/results/error.h"
+#include "bench/results/times.h"
 #include "bench/studies/latency/latency_spans_report.h"
 
 namespace wobblebench::bench {
@@ -100,24 +100,19 @@ namespace {
 KeyFigures answer_of(const StreamReport& report) {
   const StreamSummary& summary = report.summary;
   const hw::BoardAccount& account = report.result.account;
-  KeyFigures answer;
-  const auto add = [&](const char* title, double value, int digits, const char* unit, auto help) {
-    if (std::isfinite(value)) answer.all.push_back({title, fixed(value, digits), unit, help});
-  };
   const std::string from =
       std::string("From ") + ages_from(summary) + " until the picture is ready";
-  add("Newest echo, P50", summary.age_newest.p50, 0, "ms", from);
-  add("Newest echo, P99", summary.age_newest.p99, 0, "ms", from);
-  add("Volumes shown",
-      summary.volumes_per_s,
-      2,
-      "/s",
-      "The limit: " + bottleneck_of(summary).stage);
-  add("Sticks lost",
-      static_cast<double>(account.lost.total()),
-      0,
-      "",
-      "Of " + std::to_string(account.emitted) + " that the probe sent");
+  KeyFigures answer;
+  answer.add("Newest echo, P50", summary.age_newest.p50, times::kP50.key, from)
+      .add("Newest echo, P99", summary.age_newest.p99, times::kP99.key, from)
+      .add("Volumes shown",
+           summary.volumes_per_s,
+           times::kVolumesPerS.key,
+           "The limit: " + bottleneck_of(summary).stage);
+  answer.all.push_back({"Sticks lost",
+                        std::to_string(account.lost.total()),
+                        "",
+                        "Of " + std::to_string(account.emitted) + " that the probe sent"});
   return answer;
 }
 

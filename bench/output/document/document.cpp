@@ -25,7 +25,8 @@ struct MarkdownOf {
     std::string list;
     for (const KeyFigures::One& one : figures.all) {
       const std::string unit = one.unit.empty() ? "" : " " + one.unit;
-      list += "- **" + one.title + "** " + one.value + unit + ": " + one.help + "\n";
+      list += "- **" + one.title + "** " + one.value + unit +
+              (one.failed ? ", **failed**: " : ": ") + one.help + "\n";
     }
     return (*this)(Text{list});
   }
@@ -52,13 +53,23 @@ std::string chart_file(const Document& document, const Figure& figure) {
   return prefix + figure.name + ".vl.json";
 }
 
+KeyFigures& KeyFigures::add(
+    std::string title, double value, std::string_view key, std::string help, bool failed) {
+  const Unit& unit = unit_of(key);
+  const bool formed = std::isfinite(value);
+  if (!formed && !failed) return *this;
+  all.push_back({std::move(title),
+                 formed ? fixed(value, unit.digits) : "none",
+                 unit.name,
+                 std::move(help),
+                 failed});
+  return *this;
+}
+
 KeyFigures key_figures(const Measurements& found, Chosen measures) {
   KeyFigures figures;
   for (const Measure* measure : measures) {
-    const double value = found.value(*measure);
-    if (!std::isfinite(value)) continue;
-    const Unit& unit = unit_of(measure->key);
-    figures.all.push_back({measure->title, fixed(value, unit.digits), unit.name, measure->help});
+    figures.add(measure->title, found.value(*measure), measure->key, measure->help);
   }
   return figures;
 }

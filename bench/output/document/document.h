@@ -4,6 +4,7 @@
 
 #include <nlohmann/json_fwd.hpp>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <variant>
 #include <vector>
@@ -26,12 +27,18 @@ struct Text {
 /// The figures that answer what was asked, large.
 struct KeyFigures {
   struct One {
-    std::string title;  ///< "P95"
-    std::string value;  ///< "1.31"
-    std::string unit;   ///< "mm"; empty: none
-    std::string help;   ///< what it is, in one sentence
+    std::string title;    ///< "P95"
+    std::string value;    ///< "1.31"
+    std::string unit;     ///< "mm"; empty: none
+    std::string help;     ///< what it is, or what it is held against, in one sentence
+    bool failed = false;  ///< it is not as was asked
   };
   std::vector<One> all;
+
+  /// With the unit and the digits of a measure's key ("p95_mm"). What is not formed is left out,
+  /// or "none" where that fails.
+  KeyFigures& add(
+      std::string title, double value, std::string_view key, std::string help, bool failed = false);
 };
 /// Those of `measures` that are formed.
 KeyFigures key_figures(const Measurements& found, Chosen measures);

@@ -92,9 +92,9 @@ class HtmlOf {
   std::string operator()(const KeyFigures& figures) const {
     std::string html = "<dl class=\"key-figures\">\n";
     for (const KeyFigures::One& one : figures.all) {
-      html += "<div><dt>" + escaped(one.title) + "</dt><dd><strong>" + escaped(one.value) +
-              "</strong> " + escaped(one.unit) + "</dd><dd class=\"help\">" + escaped(one.help) +
-              "</dd></div>\n";
+      html += (one.failed ? "<div class=\"failed\"><dt>" : "<div><dt>") + escaped(one.title) +
+              "</dt><dd><strong>" + escaped(one.value) + "</strong> " + escaped(one.unit) +
+              "</dd><dd class=\"help\">" + escaped(one.help) + "</dd></div>\n";
     }
     return html + "</dl>\n";
   }

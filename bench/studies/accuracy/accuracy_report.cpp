@@ -6,8 +6,10 @@
 #include <limits>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <set>
 #include <utility>
 
+#include "base/number_text.h"
 #include "base/units.h"
 #include "bench/evaluation/bootstrap.h"
 #include "bench/output/document/interval_cells.h"
@@ -240,12 +242,10 @@ std::string seeds_text(const AccuracyResults& results) {
 }
 
 std::string head_text(const AccuracyResults& results, const Provenance& provenance) {
-  std::string text = "Made by `wobblebench accuracy`. Commit " + provenance.commit + ", " +
-                     provenance.cpu + ", " + provenance.gl_renderer + ". " + seeds_text(results) +
-                     "; mean ± half of the 95 % interval (Student's t). What is measured, and how: "
-                     "decision 28. All rows are in `accuracy.csv`.\n";
-  for (const std::string& note : results.notes) text += "\n" + note + ".\n";
-  return text;
+  return "Made by `wobblebench accuracy`. Commit " + provenance.commit + ", " + provenance.cpu +
+         ", " + provenance.gl_renderer + ". " + seeds_text(results) +
+         "; mean ± half of the 95 % interval (Student's t). What is measured, and how: "
+         "decision 28. All rows are in `accuracy.csv`.\n";
 }
 
 /// The measures of the table of strata.
@@ -280,10 +280,15 @@ Cell worst_cell(const std::map<std::uint64_t, double>& p95_mm) {
   return worst;
 }
 
-/// Summaries that are of fewer seeds or scenes than were measured, a line each; empty: there are
-/// none.
-std::string missing_text(const AccuracyResults& results) {
-  std::string lines;
+/// What is compared; then summaries that are of fewer seeds or scenes than were measured, a line
+/// each.
+std::string asked_text(const AccuracyResults& results) {
+  const AccuracySummary& first = results.summaries.front();
+  std::string lines =
+      "How far what each setting finds is from the true surface (P95: 95 % of the pixels are no "
+      "further off): means over scenes, rungs and seeds, against **" +
+      first.setting + "**.\n\n";
+  for (const std::string& note : results.notes) lines += "- " + note + ".\n";
   for (const AccuracySummary& s : results.summaries) {
     const int with =
         s.group == "picture" ? s.means[measure_index(error::kP95.key)].n : s.render_ms.n;
@@ -342,6 +347,55 @@ void add_pictures(const AccuracyResults& results, Document& document) {
   add_details(results, document);
 }
 
+/// Means of one setting over scenes and rungs.
+class SettingMeans {
+ public:
+  SettingMeans(const AccuracyResults& results, const std::string& setting) {
+    for (const AccuracySummary& s : results.summaries) {
+      if (s.group == "picture" && s.setting == setting) summaries_.push_back(&s);
+    }
+  }
+  double of(const Measure& measure) const {
+    const std::size_t at = measure_index(measure.key);
+    return mean([at](const AccuracySummary& s) { return s.means[at].mean; });
+  }
+  double render_ms() const {
+    return mean([](const AccuracySummary& s) { return s.render_ms.mean; });
+  }
+  std::string shown(const Measure& measure) const {
+    const Column column = column_of(measure);
+    return heading(column) + " " + Cell(of(measure)).shown(column) + "; ";
+  }
+
+ private:
+  template <class Value>
+  double mean(Value value) const {
+    std::vector<double> values;
+    for (const AccuracySummary* s : summaries_) values.push_back(value(*s));
+    return mean_interval(values).mean;
+  }
+
+  std::vector<const AccuracySummary*> summaries_;
+};
+
+/// P95 of each setting, the one that others are compared with first.
+KeyFigures answer_of(const AccuracyResults& results) {
+  constexpr std::size_t kMost = 6;
+  KeyFigures figures;
+  std::set<std::string> shown;
+  for (const AccuracySummary& s : results.summaries) {
+    if (shown.size() == kMost || !shown.insert(s.setting).second) continue;
+    const SettingMeans means(results, s.setting);
+    figures.add("P95, " + s.setting,
+                means.of(error::kP95),
+                error::kP95.key,
+                means.shown(error::kMedian) + means.shown(error::kMissed) +
+                    means.shown(error::kFalse) + fixed(means.render_ms(), 0) +
+                    " ms for a new volume");
+  }
+  return figures;
+}
+
 }  // namespace
 
 Json accuracy_json(const AccuracyResults& results) {
@@ -374,10 +428,7 @@ Json accuracy_json(const AccuracyResults& results) {
 Document accuracy_document(const AccuracyResults& results, const Provenance& provenance) {
   Document document{
       .title = "Accuracy", .name = "accuracy", .data = {{"accuracy.csv", rows_table(results)}}};
-  document.add(Text{head_text(results, provenance)});
-  if (const std::string missing = missing_text(results); !missing.empty()) {
-    document.add(Text{missing});
-  }
+  document.add(Text{asked_text(results)}).add(answer_of(results));
   add_strata(results, document);
   document.add(Heading{"Whole pictures"})
       .add(Text{
@@ -396,6 +447,7 @@ Document accuracy_document(const AccuracyResults& results, const Provenance& pro
   add_regions(results, "part", "By part", document);
   add_regions(results, "unseen", "What the probe cannot see", document);
   add_pictures(results, document);
+  document.add(Heading{"How it was measured"}).add(Text{head_text(results, provenance)});
   return document;
 }
 

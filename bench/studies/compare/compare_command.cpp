@@ -303,8 +303,8 @@ int compare(const Arguments& arguments) {
                     "nothing was judged");
     }
     return CommandResult{.report = report_of(result, progress.times()),
-                         .summary = verdict_lines(result) + verdict_line(result) +
-                                    "\nresults     " + out.directory().string() + "\n",
+                         .summary = verdict_line(result) + "\n" + verdict_lines(result) +
+                                    "results     " + out.directory().string() + "\n",
                          .exit_code = failure.empty() ? kDone : kFailed,
                          .failure = failure,
                          .checks = test_cases(result),

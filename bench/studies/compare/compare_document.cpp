@@ -15,6 +15,14 @@ std::ptrdiff_t count(const ComparisonResult& result, Outcome outcome) {
   return std::ranges::count(result.verdicts, outcome, &Verdict::outcome);
 }
 
+/// What broke first.
+std::vector<const Verdict*> by_outcome(const ComparisonResult& result) {
+  std::vector<const Verdict*> sorted;
+  for (const Verdict& verdict : result.verdicts) sorted.push_back(&verdict);
+  std::ranges::stable_sort(sorted, {}, &Verdict::outcome);
+  return sorted;
+}
+
 Cell change_cell(const Verdict& verdict) {
   if (verdict.change.n == 0) return {};
   const double scale = verdict.limit.allowed == Allowed::ratio ? 100 : 1;
@@ -32,14 +40,34 @@ Cell mean_cell(const MeanInterval& of, const ChangeLimit& limit) {
   return fixed(of.mean, of.mean == std::floor(of.mean) ? 0 : 1);
 }
 
+/// What broke, and how far off the next limits are.
+KeyFigures verdict_figures(const ComparisonResult& result) {
+  constexpr std::size_t kMost = 6;
+  KeyFigures figures;
+  for (const Verdict* const one : by_outcome(result)) {
+    if (one->now.n == 0 || figures.all.size() == kMost) continue;
+    const std::string& name = one->limit.figure;
+    const Measure* const measure = run_measure(name);
+    figures.add((measure == nullptr ? name : measure->title) + ", " + one->scene,
+                one->now.mean,
+                name,
+                std::string(to_string(one->outcome)) + ": " + change_text(*one) +
+                    " against the base; " + text_of(one->limit),
+                one->outcome == Outcome::broken);
+  }
+  return figures;
+}
+
 Table verdict_table(const ComparisonResult& result) {
   using V = Verdict;
   const auto unit = [](const V& of) { return unit_of(of.limit.figure).name; };
+  std::vector<V> sorted;
+  for (const V* const one : by_outcome(result)) sorted.push_back(*one);
   return table_of<V>(
       {.name = "verdicts",
        .caption = "Limits of the change from the base to the new side, over pairs of equal "
                   "seeds, with 95 % intervals (Student's t)"},
-      result.verdicts,
+      sorted,
       {{{"scene"}, &V::scene},
        {{"figure"}, [](const V& of) { return Cell::code(of.limit.figure); }},
        {{"unit"}, unit},
@@ -109,18 +137,29 @@ Table setting_table(const ComparisonResult& result) {
 }
 
 void add_pair(Document& page, const std::string& scene, const std::string& picture) {
-  page.add(PicturePair{{compared_picture("base", scene, picture), "Base."},
-                       {compared_picture("new", scene, picture), "New."}});
+  page.add(PicturePair{{compared_picture("base", scene, picture), "Base, " + scene + "."},
+                       {compared_picture("new", scene, picture), "New, " + scene + "."}});
 }
 
-void add_pictures(const ComparisonResult& result, Document& page) {
+/// The surfaces of the first scene where a limit is broken, or of another; its name, empty: there
+/// are none.
+std::string add_leading_pair(const ComparisonResult& result, Document& page) {
+  for (const Verdict* const one : by_outcome(result)) {
+    if (std::ranges::find(result.with_surface, one->scene) == result.with_surface.end()) continue;
+    add_pair(page, one->scene, "surface");
+    return one->scene;
+  }
+  return "";
+}
+
+void add_pictures(const ComparisonResult& result, const std::string& leading, Document& page) {
   std::set<std::string> scenes(result.with_surface.begin(), result.with_surface.end());
   scenes.insert(result.with_error.begin(), result.with_error.end());
   for (const std::string& scene : scenes) {
     page.add(Heading{"Pictures of " + scene});
-    if (std::ranges::find(result.with_surface, scene) != result.with_surface.end()) {
-      add_pair(page, scene, "surface");
-    }
+    const bool has_surface =
+        std::ranges::find(result.with_surface, scene) != result.with_surface.end();
+    if (has_surface && scene != leading) add_pair(page, scene, "surface");
     if (std::ranges::find(result.with_error, scene) != result.with_error.end()) {
       add_pair(page, scene, "error");
     }
@@ -133,21 +172,23 @@ std::string verdict_line(const ComparisonResult& result) {
   if (result.base.runs.empty()) {
     return std::to_string(result.now.runs.size()) + " runs are kept, to compare others with";
   }
-  std::string line;
-  for (const Outcome outcome :
-       {Outcome::broken, Outcome::kept, Outcome::open, Outcome::not_compared}) {
-    line += (line.empty() ? "" : ", ") + std::to_string(count(result, outcome)) + " " +
-            to_string(outcome);
+  std::string line = std::to_string(count(result, Outcome::broken)) + " of " +
+                     std::to_string(result.verdicts.size()) + " limits " +
+                     to_string(Outcome::broken);
+  for (const Outcome outcome : {Outcome::open, Outcome::kept, Outcome::not_compared}) {
+    const auto number = count(result, outcome);
+    if (number > 0) line += ", " + std::to_string(number) + " " + to_string(outcome);
+    if (number > 0 && outcome == Outcome::open) line += " (more seeds would tell)";
   }
   return line + (result.measured_twice ? "; measured twice, as a limit of time was broken" : "");
 }
 
 std::string verdict_lines(const ComparisonResult& result) {
   std::string lines;
-  for (const Verdict& verdict : result.verdicts) {
-    if (verdict.outcome != Outcome::broken && verdict.outcome != Outcome::open) continue;
-    lines.append("- **").append(to_string(verdict.outcome)).append("** ");
-    lines.append(line_of(verdict)).append("\n");
+  for (const Verdict* const one : by_outcome(result)) {
+    if (one->outcome != Outcome::broken && one->outcome != Outcome::open) continue;
+    lines.append("- **").append(to_string(one->outcome)).append("** ");
+    lines.append(line_of(*one)).append("\n");
   }
   return lines;
 }
@@ -174,19 +215,22 @@ Document compare_document(const ComparisonResult& result) {
       .title = "wobblebench compare",
       .name = "compare",
       .data = {{"compare.csv", verdict_table(result)}, {"compare_runs.csv", run_table(result)}}};
-  page.add(Text{"**" + verdict_line(result) + "**"});
-  const std::string lines = verdict_lines(result);
-  if (!lines.empty()) page.add(Text{lines});
+  const bool compares = !result.base.runs.empty();
+  page.add(
+      Text{"**" + verdict_line(result) + "**" +
+           (compares ? ". Base: `" + result.base.what + "`; new: `" + result.now.what + "`" : "")});
+  if (compares) page.add(verdict_figures(result));
+  const auto leading = add_leading_pair(result, page);
   if (!result.verdicts.empty()) page.add(verdict_table(result));
   page.add(side_table(result));
   const Table settings = setting_table(result);
-  if (result.base.runs.empty()) return page;
+  if (!compares) return page;
   if (settings.rows.empty()) {
     page.add(Text{"Both sides have the same settings of the scenes."});
   } else {
     page.add(settings);
   }
-  add_pictures(result, page);
+  add_pictures(result, leading, page);
   return page;
 }
 

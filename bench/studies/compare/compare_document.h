@@ -19,9 +19,9 @@ struct ComparisonResult {
   std::vector<std::string> with_surface, with_error;
 };
 
-/// One line: how many limits are kept, broken, open and not compared.
+/// One line: how many limits are broken, open, kept and not compared.
 std::string verdict_line(const ComparisonResult& result);
-/// Lines of what is broken and open.
+/// Lines of what is broken, then of what is open.
 std::string verdict_lines(const ComparisonResult& result);
 
 std::vector<Check> test_cases(const ComparisonResult& result);

@@ -87,11 +87,17 @@ FigureKind kind_of_figure(const std::string& name) {
   return counted ? FigureKind::work : FigureKind::error;
 }
 
+const Measure* run_measure(const std::string& name) {
+  std::vector<const Measure*> all = {&kPictureSsim, &times::kCpu, &counts::kFetches};
+  for (const auto& [measure, place] : kPlaces) all.push_back(measure);
+  all.insert(all.end(), picture_measures().begin(), picture_measures().end());
+  const auto found = std::ranges::find(all, name, &Measure::key);
+  return found == all.end() ? nullptr : *found;
+}
+
 Worse worse_of(const std::string& name) {
-  if (name == kPictureSsim.key) return kPictureSsim.worse;
-  const auto& measures = picture_measures();
-  const auto found = std::ranges::find(measures, name, &Measure::key);
-  return found == measures.end() ? Worse::higher : (*found)->worse;
+  const Measure* const measure = run_measure(name);
+  return measure == nullptr ? Worse::higher : measure->worse;
 }
 
 const std::vector<std::string>& run_figure_names() {

@@ -29,6 +29,8 @@ inline constexpr Measure kPictureSsim{"picture_ssim",
                                       "SSIM of both sides' shaded pictures",
                                       Worse::lower};
 
+/// What a figure of a run is; null: of one pass.
+const Measure* run_measure(const std::string& name);
 /// The way in which a figure of a run gets worse.
 Worse worse_of(const std::string& name);
 

@@ -171,21 +171,24 @@ bool only_times_are_broken(const std::vector<Verdict>& all) {
   return any;
 }
 
+std::string change_text(const Verdict& verdict) {
+  const bool ratio = verdict.limit.allowed == Allowed::ratio;
+  const double scale = ratio ? 100 : 1;
+  std::string text = signed_text(scale * verdict.change.mean) + (ratio ? " %" : "");
+  if (!std::isfinite(verdict.change.half)) return text;
+  return text + " (" + signed_text(scale * (verdict.change.mean - verdict.change.half)) + " to " +
+         signed_text(scale * (verdict.change.mean + verdict.change.half)) + ")";
+}
+
 std::string line_of(const Verdict& verdict) {
   const std::string unit = unit_of(verdict.limit.figure).name;
   std::string line = verdict.scene + ": " + verdict.limit.figure;
   if (verdict.change.n == 0) return line + ": " + verdict.why;
-  constexpr int kDigits = 9;  // so that one fetch among millions shows
-  line += " " + significant(verdict.base.mean, kDigits) + " to " +
-          significant(verdict.now.mean, kDigits) + (unit.empty() ? "" : " ") + unit;
-  const bool ratio = verdict.limit.allowed == Allowed::ratio;
-  const double scale = ratio ? 100 : 1;
-  line += ": " + signed_text(scale * verdict.change.mean) + (ratio ? " %" : "");
-  if (std::isfinite(verdict.change.half)) {
-    line += " (" + signed_text(scale * (verdict.change.mean - verdict.change.half)) + " to " +
-            signed_text(scale * (verdict.change.mean + verdict.change.half)) + ")";
-  }
-  return line + "; " + text_of(verdict.limit);
+  // So that one fetch among millions shows.
+  const int digits = kind_of_figure(verdict.limit.figure) == FigureKind::work ? 9 : 4;
+  return line + " " + significant(verdict.base.mean, digits) + " to " +
+         significant(verdict.now.mean, digits) + (unit.empty() ? "" : " ") + unit + ": " +
+         change_text(verdict) + "; " + text_of(verdict.limit);
 }
 
 }  // namespace wobblebench::bench

@@ -10,10 +10,11 @@
 
 namespace wobblebench::bench {
 
+/// The worst first.
 enum class Outcome {
-  kept,
   broken,
-  open,          ///< the interval has the limit in it: more seeds would tell
+  open,  ///< the interval has the limit in it: more seeds would tell
+  kept,
   not_compared,  ///< see `why`
 };
 const char* to_string(Outcome outcome);
@@ -43,7 +44,9 @@ std::vector<Verdict> verdicts(const MeasuredSide& base,
 /// Whether only limits of times are broken, and at least one is: a second measurement may tell.
 bool only_times_are_broken(const std::vector<Verdict>& all);
 
-/// "face: p95_mm 1.90 to 2.10 mm: +0.20 (0.18 to 0.22); higher by at most 0.1 mm".
+/// "+0.20 (+0.18 to +0.22)", of a limited ratio in per cent.
+std::string change_text(const Verdict& verdict);
+/// "face: p95_mm 1.90 to 2.10 mm: +0.20 (+0.18 to +0.22); worse by at most 0.1 mm".
 std::string line_of(const Verdict& verdict);
 
 }  // namespace wobblebench::bench

@@ -1,6 +1,7 @@
 #include "bench/studies/dataset/dataset_report.h"
 
 #include <algorithm>
+#include <cmath>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
@@ -67,13 +68,13 @@ Cell spread_cell(const std::vector<const SceneFigures*>& scenes, std::size_t fig
   return Cell::spread(quartiles.median, quartiles.lower, quartiles.upper);
 }
 
-/// The scene of the greatest value, or of none; null: no scenes.
+/// The scene of the greatest magnitude, or of none; null: no scenes.
 const SceneFigures* worst_of(const std::vector<const SceneFigures*>& scenes, std::size_t figure) {
   const SceneFigures* worst = nullptr;
   for (const SceneFigures* one : scenes) {
     const double value = one->values[figure];
     if (!std::isfinite(value)) return one;
-    if (worst == nullptr || value > worst->values[figure]) worst = one;
+    if (worst == nullptr || std::abs(value) > std::abs(worst->values[figure])) worst = one;
   }
   return worst;
 }
@@ -96,6 +97,26 @@ Table strata_table(const PopulationPlan& plan, const std::vector<SceneFigures>& 
     table.add(std::move(row));
   }
   return table;
+}
+
+/// Each figure over all scenes.
+KeyFigures answer_of(const PopulationPlan& plan, const std::vector<SceneFigures>& figures) {
+  std::vector<const SceneFigures*> scenes;
+  for (const SceneFigures& one : figures) {
+    if (one.measured) scenes.push_back(&one);
+  }
+  KeyFigures answer;
+  for (std::size_t i = 0; i < shown_figures().size() && !scenes.empty(); ++i) {
+    const Measure& measure = *shown_figures()[i];
+    const SceneFigures& worst = *worst_of(scenes, i);
+    answer.add(measure.title,
+               spread_cell(scenes, i).number(),
+               measure.key,
+               std::string(measure.help) + ": median of the scenes; greatest " +
+                   Cell(worst.values[i]).shown(column_of(measure)) + " of scene " +
+                   std::to_string(worst.index) + ", " + plan.strata[worst.stratum].name);
+  }
+  return answer;
 }
 
 Table refusal_table(const PopulationPlan& plan, const std::vector<SceneFigures>& figures) {
@@ -231,12 +252,11 @@ int refused_in_all(const std::vector<SceneFigures>& figures) {
 }
 
 std::string head_text(const PopulationPlan& plan, const std::vector<SceneFigures>& figures) {
-  return "Made by `wobblebench dataset " + plan.source + "`. " + std::to_string(plan.scenes) +
-         " scenes, " + std::to_string(refused_in_all(figures)) +
-         " of them refused; all sticks are simulated. `" + kManifest +
+  return "**" + std::to_string(plan.scenes) + " scenes** of " + std::to_string(plan.strata.size()) +
+         " strata, **" + std::to_string(refused_in_all(figures)) + " refused**. All sticks are " +
+         "simulated. `" + kManifest +
          "` has a line for each, with what was drawn, the measures of the face, hashes of the "
-         "files and the command that makes it again from this folder; the files are in "
-         "`scenes/NUMBER/`.";
+         "files and the command that makes it again; the files are in `scenes/NUMBER/`.";
 }
 
 }  // namespace
@@ -270,10 +290,11 @@ Document dataset_document(const PopulationPlan& plan,
                           OutputFolder& out) {
   const auto rows = shown_scenes(plan, folder, figures);
   write_png(out.stage(kSheet), contact_sheet(plan, rows));
-  Document document{.title = "Data set", .name = "dataset"};
-  document.add(Picture{kSheet, "The first scenes of each stratum: the truth, and what was found."})
-      .add(strata_table(plan, figures))
-      .add(Text{head_text(plan, figures)});
+  Document document{.title = "Data set " + plan.source, .name = "dataset"};
+  document.add(Text{head_text(plan, figures)})
+      .add(answer_of(plan, figures))
+      .add(Picture{kSheet, "The first scenes of each stratum: the truth, and what was found."})
+      .add(strata_table(plan, figures));
   add_shown(plan, folder, rows, out, document);
   Table refused = refusal_table(plan, figures);
   if (!refused.rows.empty()) document.add(Heading{"Refused"}).add(std::move(refused));

@@ -8,6 +8,7 @@
 
 #include "base/number_text.h"
 #include "bench/output/report_parts.h"
+#include "bench/results/times.h"
 #include "bench/studies/latency/latency_spans_report.h"
 
 namespace wobblebench::bench {
@@ -16,26 +17,47 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-std::string ms(double value) {
-  return std::isfinite(value) ? fixed(value, value < 10 ? 2 : 0) : "none";
+constexpr double kLeastShown_ms = 1;  // of the stages that a volume passes
+
+/// What limits the stream.
+std::string bottleneck_text(const LatencyStudy& study) {
+  const Bottleneck bottleneck = bottleneck_of(study.summary);
+  return "The bottleneck is **" + bottleneck.stage + "**, " +
+         significant(bottleneck.times_the_next, 3) + " times the next.";
 }
 
-/// What limits the stream, and how old its echoes are.
-std::string answer_text(const LatencyStudy& study) {
-  std::ostringstream text;
-  const Bottleneck bottleneck = bottleneck_of(study.summary);
-  text << "The bottleneck of the scene is **" << bottleneck.stage << "**, "
-       << significant(bottleneck.times_the_next, 3) << " times the next:";
-  for (const StageLoad& load : study.summary.loads) {
-    text << " " << load.stage << " " << ms(load.ms_per_volume) << " ms";
-  }
-  text << " a volume.";
-  if (study.checks.empty()) return text.str();
+std::string predicted_text(const Drawn& of) {
+  return "virtual time says " + fixed(of.median, 1) + " (" + fixed(of.low, 1) + " to " +
+         fixed(of.high, 1) + ")";
+}
+
+/// How old the echoes of the scene's pictures are, and what its stages take.
+KeyFigures answer_of(const LatencyStudy& study) {
+  KeyFigures figures;
+  if (study.checks.empty()) return figures;
   const LatencyCheck& scene = study.checks.front();
-  text << " The newest echo of a picture is **" << ms(scene.wall.p50) << " ms** old (P50; P99 "
-       << ms(scene.wall.p99) << " ms), and " << fixed(scene.wall_volumes_per_s, 2)
-       << " volumes are shown a second, on the wall clock.";
-  return text.str();
+  const std::string age = " of the pictures are no later after a volume's last echo; ";
+  figures
+      .add("Newest echo, P50",
+           scene.wall.p50,
+           times::kP50.key,
+           "50 %" + age + predicted_text(scene.predicted.p50_ms))
+      .add("Newest echo, P99",
+           scene.wall.p99,
+           times::kP99.key,
+           "99 %" + age + predicted_text(scene.predicted.p99_ms))
+      .add("Volumes shown",
+           scene.wall_volumes_per_s,
+           times::kVolumesPerS.key,
+           "Sound alone allows " + fixed(1e3 / scene.sound_ms, 2));
+  for (const StageLoad& load : study.summary.loads) {
+    if (load.ms_per_volume < kLeastShown_ms) continue;
+    figures.add(load.stage + ", a volume",
+                load.ms_per_volume,
+                times::kVolume.key,
+                "What this stage takes; stages work at the same time");
+  }
+  return figures;
 }
 
 std::string head_text(const LatencyStudy& study, const Provenance& provenance, const Scene& scene) {
@@ -304,13 +326,14 @@ Document latency_document(const LatencyStudy& study,
                           const Provenance& provenance,
                           const Scene& scene) {
   Document document{.title = "Latency: acquisition against rendering", .name = "latency"};
-  document.add(Text{answer_text(study)}).add(Text{head_text(study, provenance, scene)});
+  document.add(Text{bottleneck_text(study)}).add(answer_of(study));
   add_spans(study, document);
   add_checks(study, document);
   add_stalls(study, document);
   add_crossovers(study, scene, document);
   add_what_ifs(study, document);
   add_line_rates(study, document);
+  document.add(Heading{"How it was measured"}).add(Text{head_text(study, provenance, scene)});
   return document;
 }
 

@@ -120,34 +120,36 @@ Table front_table(const TradeResults& results, const Part& part) {
   return table;
 }
 
-/// " (at most 2.98 on face)": of the worst scene, where there are several.
-std::string worst_text(const TradeResults& results,
-                       const Part& part,
-                       const TradeScore& score,
-                       const Measure& measure) {
-  if (part.scenes.size() < 2) return "";
-  const auto& worst = score.worst(measure);
-  return " (at most " + fixed(worst.measures[trade_measure(measure.key)].mean, 2) + " on " +
-         results.work.plan.scenes[worst.scene].name + ")";
-}
-
-/// A sentence for each knee, with what changed since the one before.
-std::string knees_text(const TradeResults& results, const Part& part) {
-  const TradeScore* before = nullptr;
-  std::string text = "Knees:\n\n";
+/// P95 at the ends of the front, at the knees between them, and of the settings that have names.
+KeyFigures answer_of(const TradeResults& results, const Part& part) {
+  KeyFigures figures;
+  const auto add = [&](const std::string& name, const TradeScore& score, const std::string& more) {
+    const auto& worst = score.worst(error::kP95);
+    const std::string at_most = ", at most " + fixed(worst.p95_mm(), 2) + " on " +
+                                results.work.plan.scenes[worst.scene].name;
+    figures.add(name,
+                score.p95_mm(),
+                error::kP95.key,
+                "P95 at " + fixed(score.volume_ratio, 2) + " of the time of the plan's reference" +
+                    (part.scenes.size() > 1 ? at_most : "") + "; missed or false " +
+                    fixed(score.wrong_percent(), 2) + " %; " + more + "point " +
+                    std::to_string(score.point) + ": " + point_text(results.work, score.point));
+  };
+  if (part.front.empty()) return figures;
+  add("Fastest", part.scores[part.front.front()], "");
   for (const TradeKnee& knee : part.knees) {
-    const TradeScore& score = part.scores[knee.score];
-    text += "- At " + fixed(score.volume_ratio, 2) + " of the reference's time (point " +
-            std::to_string(score.point) + ": " +
-            point_text(results.work, score.point, before ? &before->point : nullptr) + ") P95 is " +
-            fixed(score.p95_mm(), 2) + " mm" + worst_text(results, part, score, error::kP95) +
-            ", missed or false " + fixed(score.wrong_percent(), 2) + " %" +
-            worst_text(results, part, score, error::kMissedOrFalse) +
-            ". Each per cent of time took " + fixed(knee.gain_before, 2) +
-            " % off P95 up to here and takes " + fixed(knee.gain_after, 2) + " % beyond.\n";
-    before = &score;
+    add("Knee",
+        part.scores[knee.score],
+        "each per cent more time took " + fixed(knee.gain_before, 2) + " % off P95, and takes " +
+            fixed(knee.gain_after, 2) + " % beyond; ");
   }
-  return text;
+  const auto p95_mm = [&](std::size_t score) { return part.scores[score].p95_mm(); };
+  add("Least P95", part.scores[*std::ranges::min_element(part.front, {}, p95_mm)], "");
+  for (const NamedPoint& named : named_points(results.work, part.scenes.front())) {
+    const auto score = std::ranges::find(part.scores, named.point, &TradeScore::point);
+    if (score != part.scores.end() && named.differs_in.empty()) add(named.name, *score, "");
+  }
+  return figures;
 }
 
 /// Which points the front is of.
@@ -166,8 +168,10 @@ std::string front_text(const Part& part) {
 }
 
 void add_part(const TradeResults& results, const Part& part, Document& document) {
-  document.add(Heading{"Front: " + part.name}).add(Text{front_text(part)});
-  if (!part.knees.empty()) document.add(Text{knees_text(results, part)});
+  const bool leads = &part == &results.parts.front();
+  if (!leads) document.add(Heading{"Front: " + part.name});
+  document.add(Text{front_text(part)}).add(answer_of(results, part));
+  if (leads) document.add(Heading{"Front: " + part.name});
   if (!part.front.empty()) document.add(trade_figure(results, part));
   document.add(front_table(results, part));
 }

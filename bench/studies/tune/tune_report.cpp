@@ -302,13 +302,45 @@ class SceneTable {
   Table table_{.name = "scenes", .columns = {{"scene"}, {"searched"}}};
 };
 
+/// What the chosen setting costs and reaches, or the one that is nearest to the limits.
+KeyFigures key_figures_of(const TuneResults& results) {
+  const TradePlan& plan = results.work.plan;
+  KeyFigures figures;
+  const auto add = [&](const std::vector<LimitValue>& values,
+                       const std::vector<NamedOptions>& scenes,
+                       const std::string& reached) {
+    for (const LimitValue& at : values) {
+      const Measure& measure = quantity(at.limit.name);
+      figures.add(measure.title,
+                  at.reached.value,
+                  measure.key,
+                  "At most " + significant(at.limit.most, 6) + "; " + reached +
+                      on_scene(at.reached, scenes),
+                  !at.holds());
+    }
+  };
+  if (results.nearest) add(results.nearest->values, plan.scenes, "the nearest setting");
+  if (const TuneCandidate* const chosen = results.chosen()) {
+    const std::string& least = results.options.request.least;
+    figures.add(quantity(least).title,
+                quantity_of(*chosen->fresh, goal_of(results.options.request)).value,
+                least,
+                "The least that was found, mean of the scenes; a new volume takes " +
+                    fixed(chosen->fresh->volume_ratio, 2) + " of the reference's time");
+  }
+  add(results.reached(), plan.scenes, "a further seed stays below it");
+  add(results.reached_unseen(), plan.unseen, "unseen by the search; a further seed stays below it");
+  return figures;
+}
+
 void add_chosen(const TuneResults& results, Document& document) {
   const TuneCandidate* chosen = results.chosen();
   if (chosen == nullptr) {
-    document.add(Text{nothing_chosen_text(results)});
+    document.add(Text{nothing_chosen_text(results)}).add(key_figures_of(results));
     return;
   }
   document.add(Text{chosen_text(results, chosen->point)})
+      .add(key_figures_of(results))
       .add(SceneTable(results).table())
       .add(Text{"On the fresh seeds. The worst scene must keep a limit, but of a mean (`mean:`) "
                 "all together."});

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <random>
 #include <string>
 
@@ -119,13 +120,16 @@ TEST(Page, SaysThatAPictureIsCompressed) {
 TEST(ReportPage, BeginsWithTheAnswerAndThenWarns) {
   Document document{.title = "run"};
   document.add(Text{"Failed: a limit"})
-      .add(KeyFigures{{{"P95", "1.31", "mm", "Of the error"}}})
+      .add(KeyFigures().add("P95", 1.314, "p95_mm", "Of the error", true).add("bias", NAN, "", ""))
       .add(Text{"The rest"});
   const std::string page = report_page(
       document, R"({"warnings": ["few sticks"]})", "", [](const std::string&) { return ""; });
   std::size_t last = page.find("</head>");
-  for (const char* part :
-       {"Failed: a limit", "<strong>1.31</strong> mm", "few sticks", "The rest"}) {
+  for (const char* part : {"Failed: a limit",
+                           "class=\"failed\"",
+                           "<strong>1.31</strong> mm",
+                           "few sticks",
+                           "The rest"}) {
     const std::size_t at = page.find(part);
     ASSERT_NE(at, std::string::npos) << part;
     EXPECT_GT(at, last) << part;

@@ -302,6 +302,12 @@ TEST_F(CompareCommand, AKeptBaseTellsAChangedSetting) {
   EXPECT_NE(result.err.find("wobblebench: ball: picture_ssim 1 to 0."), std::string::npos)
       << result.err;
   EXPECT_EQ(result.err.find("fetches"), std::string::npos) << "there are fewer: " << result.err;
+  EXPECT_TRUE(result.out.starts_with("1 of 14 limits BROKEN, ")) << result.out;
+  // What broke is the first of the large figures.
+  EXPECT_NE(
+      text_of("new/compare.md").find("filter_size=5`\n\n- **likeness of the pictures, ball** 0."),
+      std::string::npos)
+      << text_of("new/compare.md");
   EXPECT_NE(text_of("new/compare.md").find("| ball | `render.smoothing.filter_size` | `9` | `5` |"),
             std::string::npos);
 }
