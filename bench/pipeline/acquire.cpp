@@ -1,9 +1,12 @@
 #include "bench/pipeline/acquire.h"
 
 #include <algorithm>
+#include <filesystem>
+#include <nlohmann/json.hpp>
 #include <stdexcept>
 #include <utility>
 
+#include "base/file.h"
 #include "base/number_text.h"
 #include "base/user_error.h"
 #include "bench/pipeline/acquisitions.h"
@@ -38,6 +41,22 @@ void warn_of_range(const Scene& scene, Progress& progress) {
       "taken to be " +
       significant(scene.simulation.dynamic_range_db, 4) +
       " dB, by which render.ray_casting.below_tissue_db counts");
+}
+
+/// Without the options of the simulation that have the values with which the recording was made, as
+/// the report beside it has them: they are not without effect.
+Scene without_recorded(Scene scene, const BoardArguments& board) {
+  const auto report = std::filesystem::path(board.link.value).replace_extension(".json");
+  if (!std::filesystem::exists(report)) return scene;
+  const auto json = nlohmann::ordered_json::parse(read_file(report), nullptr, false);
+  if (!json.is_object() || !json.contains("scene")) return scene;
+  const auto recorded = values_by_key(json["scene"]), here = values_by_key(resolved(scene));
+  std::erase_if(scene.given, [&](const std::string& key) {
+    if (!key.starts_with("simulation.")) return false;
+    const auto then = recorded.find(key), now = here.find(key);
+    return then != recorded.end() && now != here.end() && then->second == now->second;
+  });
+  return scene;
 }
 
 /// With the phantom of the scene.
@@ -77,7 +96,7 @@ ResolvedScene BoardConnection::resolve(const Scene& given,
     return resolve_scene(std::move(scene), std::nullopt);
   }
   refuse_other_subject(scene, configuration_->subject, /*placed=*/false, name());
-  warn_of_scene(scene, SampleSource::recording_of_scene, progress);
+  warn_of_scene(without_recorded(scene, arguments_), SampleSource::recording_of_scene, progress);
   return with_phantom(std::move(scene), cache, progress);
 }
 

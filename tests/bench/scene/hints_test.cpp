@@ -134,5 +134,17 @@ TEST_F(Warnings, OfARecordingNameTheSceneThatIsNotUsed) {
       bench("record --out copy", {recorded}), 0, "phantom.radius_mm (acts with --board sim)");
 }
 
+TEST_F(Warnings, OfARecordingAreNotOfWhatItWasMadeWith) {
+  const Words seed = set("simulation.seed=7");
+  ASSERT_EQ(bench("record --out rec", {kSphere, kScan, seed}).exit_code, 0);
+  const std::string run = "run --board file=rec/recording.wbst --out ";
+  const auto same = bench(run + "same", {kSphere, kPicture, seed});
+  EXPECT_EQ(same.exit_code, 0) << same.err;
+  EXPECT_FALSE(holds(same.err, "simulation.seed")) << same.err;
+  expect_line(bench(run + "other", {kSphere, kPicture, set("simulation.seed=8")}),
+              0,
+              "without effect in this scene: simulation.seed (acts with --board sim)");
+}
+
 }  // namespace
 }  // namespace wobblebench::bench
