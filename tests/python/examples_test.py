@@ -45,7 +45,9 @@ class Examples(unittest.TestCase):
 
     def test_tuning_ends_and_repeats(self):
         said = [self.python("tune.py", "--trials", "5", *SMALL) for _ in range(2)]
-        self.assertRegex(said[0], r"^\d+\.\d+ by the scene's own settings\n\d+\.\d+ with threshold \S+, n \d+, steps \d+\n$")
+        self.assertRegex(said[0], r"^\d+\.\d+ by the scene's own settings\n\d+\.\d+ with render\.\S+ \S+, render\.\S+ \S+, render\.\S+ \S+\n$")
+        own, tuned = (float(line.split()[0]) for line in said[0].splitlines())
+        self.assertLessEqual(tuned, own)
         self.assertEqual(said[0], said[1])
 
     def test_a_recording_is_looked_at(self):
