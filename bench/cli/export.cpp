@@ -333,7 +333,7 @@ int export_scan(const Arguments& arguments) {
   ExportedScan scan{.scene = scene,
                     .display_scale = display_scale(stream, scene.options()),
                     .simulated = scene.subject().has_value(),
-                    .knows_times = !stream.configuration || stream.configuration->knows_times,
+                    .knows_times = stream.knows_times(),
                     .volumes = volumes,
                     .labels = {}};
   if (scene.subject()) scan.labels.emplace(scene, maps);

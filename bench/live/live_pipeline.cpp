@@ -1,6 +1,7 @@
 #include "bench/live/live_pipeline.h"
 
 #include <chrono>
+#include <cmath>
 #include <cstdio>
 #include <exception>
 #include <thread>
@@ -179,7 +180,9 @@ void LivePipeline::play(const LiveOrders& orders) {
 
 StreamResult LivePipeline::run_one(const LiveOrders& orders) {
   const StreamSource source = *std::exchange(stream_->source, std::nullopt);
-  const double sound_ms = to_milliseconds(stream_->scene.plan().volume_duration());
+  const double sound_ms = source.knows_times()
+                              ? to_milliseconds(stream_->scene.plan().volume_duration())
+                              : std::nan("");
   const PictureSink sink = [&](const ShownPicture& shown) {
     const std::uint64_t pictures = ++account_.pictures;
     server_->publish(

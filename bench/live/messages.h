@@ -51,7 +51,8 @@ LiveMessage firing_message(const StreamFrame& frame);
 /// Header and parts as docs/live.md says; header.parts is filled in.
 LiveMessage binary_message(nlohmann::ordered_json header, const std::vector<std::string>& parts);
 
-/// Times and losses of a stream's picture, number `pictures` of all.
+/// Times and losses of a stream's picture, number `pictures` of all. `sound_ms`: of a volume; nan,
+/// which is null in the message: not known.
 LiveMessage times_message(const ShownPicture& shown,
                           std::uint64_t pictures,
                           const hw::BoardAccount& account,

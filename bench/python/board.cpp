@@ -23,7 +23,7 @@ BoardReader::BoardReader(const std::string& text, ScenePointer scene)
     const bench::ResolvedScene& resolved = scene_->resolved();
     const std::lock_guard maps_used(scene_->subject()->mutex);
     auto source = connection_->connect(resolved, scene_->subject()->maps);
-    knows_times_ = !source.configuration || source.configuration->knows_times;
+    knows_times_ = source.knows_times();
     return source;
   });
 }

@@ -194,7 +194,7 @@ ExportedScan scan_to_send(const StreamSource& source, const ResolvedScene& scene
   return {.scene = scene,
           .display_scale = source.configuration ? source.configuration->display_scale : simulated,
           .simulated = scene.subject().has_value(),
-          .knows_times = !source.configuration || source.configuration->knows_times,
+          .knows_times = source.knows_times(),
           .labels = {}};
 }
 

@@ -64,8 +64,9 @@ class Times {
     this.passes.textContent = Object.entries(times.passes)
       .map(([name, ms]) => `${name.replaceAll('_', ' ')} ${ms.toFixed(1)} ms`).join(', ');
     const waits = times.waited_ms > busy_ms / 20;
+    const sound = times.sound_ms === null ? 'an unknown time' : `${times.sound_ms.toFixed(0)} ms`;
     this.limit.textContent = `${waits ? 'The sound is the limit' : 'The renderer is the limit'}: one volume takes `
-      + `${times.sound_ms.toFixed(0)} ms to fire and ${busy_ms.toFixed(0)} ms to render.`;
+      + `${sound} to fire and ${busy_ms.toFixed(0)} ms to render.`;
     const lost = times.causes.map(([name, count]) => `${count} ${name.slice('lost_'.length).replaceAll('_', ' ')}`);
     const age = (ms) => `${ms.toFixed(0)} ms`;
     this.brief.textContent = `Newest echo ${age(times.age_newest_ms)} old, oldest ${age(times.age_oldest_ms)}; `

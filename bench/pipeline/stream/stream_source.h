@@ -30,6 +30,9 @@ struct StreamSource {
   /// Over which linear envelopes of that scale are log-compressed. Empty: over the one that it
   /// states; where it states none they are refused.
   std::function<double(const hw::DisplayScale&)> dynamic_range_db;
+
+  /// hw::Configuration::knows_times; the simulator does.
+  bool knows_times() const { return !configuration || configuration->knows_times; }
 };
 
 /// what() is one line, "--board NAME: no … came; WHY".

@@ -217,6 +217,15 @@ class Clients(InFolder):
         self.assertGreater(waits["replaced"] + waits["left"], 0)
         self.assertNotEqual(left["ending"], "connected to the end")
 
+    def test_times_that_are_not_known_are_not_sent(self):
+        file = self.path("scan.mha")
+        run("export", "sim", *SCENE, "--to", file + ",content=polar")
+        stream = Stream(self.folder, "igtl=0,content=volume+pose", "--board", "file=" + file)
+        for device in ("Volume", "MotorToProbe"):
+            message = stream.of(device)[-1]
+            self.assertEqual(message.seconds, 0)
+            self.assertNotIn("wobblebench_newest_stick_s", message.metadata)
+
     def test_positions_in_the_probe_frame_if_asked_for(self):
         stream = Stream(self.folder, "igtl=0,content=surface+volume,axes=lps", "--volumes", "2")
         points, _ = igtl.surface(stream.of("Surface")[-1])
