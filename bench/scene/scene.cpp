@@ -389,6 +389,13 @@ Scene scene_of(const toml::table& file,
   if (!of_report) return scene;
   scene.reported = scene.given;
   for (const auto& setting : settings) scene.reported.erase(setting.substr(0, setting.find('=')));
+  // What commands set themselves unless a user does; several volumes were somebody's choice.
+  for (const char* key : {"simulation.fidelity", "simulation.seed", "simulation.side_lobes"}) {
+    if (scene.reported.contains(key)) scene.given.erase(key);
+  }
+  if (scene.acquisition.volumes == 1 && scene.reported.contains("acquisition.volumes")) {
+    scene.given.erase("acquisition.volumes");
+  }
   return scene;
 }
 

@@ -268,7 +268,11 @@ void warn_of_samples(const RunResult& result,
 RunArguments with_renderer(RunArguments arguments) {
   define_renderers(arguments.renderers);
   const Scene given = load_scene(arguments.scene.file, arguments.scene.settings);
-  if (arguments.renderers.size() == 1 && !given.given.contains("render.program")) {
+  // A report names it, too, where it was none.
+  const bool is_chosen = given.reported.contains("render.program")
+                             ? !given.picture.program.empty()
+                             : given.given.contains("render.program");
+  if (arguments.renderers.size() == 1 && !is_chosen) {
     const std::string& only = arguments.renderers.front();
     arguments.scene.settings.push_back("render.program=" + only.substr(0, only.find('=')));
   }
@@ -299,7 +303,8 @@ int run(const RunArguments& from_line) {
     const Scene chosen = with_choice(given, arguments, choice);
     const ResolvedScene scene = board.resolve(chosen, cache, progress);
     refuse_unknown(arguments, scene);
-    if (given.given.contains("render.pipeline.mid_volume")) {
+    if (given.given.contains("render.pipeline.mid_volume") &&
+        !given.reported.contains("render.pipeline.mid_volume")) {
       progress.warn("render.pipeline.mid_volume: without effect: `run` renders a whole volume");
     }
     const sim::TissueMapSource maps = kept_maps(cache.tissue_maps());

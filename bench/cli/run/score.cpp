@@ -58,15 +58,9 @@ UserError no_report(const std::filesystem::path& file, const std::string& why) {
                    "; must be report.json of `run`, or a scene in TOML");
 }
 
-ScoredScene scene_of_report(const SceneArguments& arguments) {
+ScoredScene scene_of_report(const SceneArguments& arguments, const Json& report) {
   const std::filesystem::path& file = arguments.file;
-  const Json report = Json::parse(read_file(file), nullptr, false);
-  if (!report.is_object()) throw no_report(file, "is no JSON object");
-  for (const char* part : {"scene", "camera"}) {
-    if (!report.contains(part) || !report[part].is_object()) {
-      throw no_report(file, std::string("has no \"") + part + "\"");
-    }
-  }
+  if (!report["scene"].is_object()) throw no_report(file, "has no \"scene\"");
   if (!report["scene"].contains("phantom") || report["scene"]["phantom"].is_null()) {
     throw no_report(file, "is of samples whose subject is not known: there is no truth");
   }
@@ -94,9 +88,15 @@ void take_volume(ScoredScene& scored, const ScoreArguments& arguments, bool is_r
 /// With the settings of passes 3 and 4 alone: no volume is rendered.
 ScoredScene load_scored_scene(const ScoreArguments& arguments) {
   const SceneArguments& scene = arguments.scene;
-  const bool is_report = scene.file.extension() == ".json";
-  ScoredScene scored =
-      is_report ? scene_of_report(scene) : ScoredScene{load_scene(scene.file, scene.settings)};
+  Json report;
+  if (scene.file.extension() == ".json") {
+    report = Json::parse(read_file(scene.file), nullptr, false);
+  }
+  // A report without a picture, as recording.json, has a scene as a file of TOML has one.
+  const bool is_report =
+      report.is_object() && report.contains("scene") && report["camera"].is_object();
+  ScoredScene scored = is_report ? scene_of_report(scene, report)
+                                 : ScoredScene{load_scene(scene.file, scene.settings)};
   take_volume(scored, arguments, is_report);
   scored.options.render.ray_casting.mode = render::RenderMode::surface;
   return scored;

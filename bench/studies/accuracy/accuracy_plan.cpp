@@ -107,6 +107,7 @@ std::string setting_word(const std::string& setting) {
 }  // namespace
 
 bool is_accuracy_plan(const std::filesystem::path& path) {
+  if (path.extension() == ".json") return false;  // the report of a scene
   const toml::table root = parse_toml_file(path, "a plan or a scene");
   return root.contains("scenes") || root.contains("settings");
 }

@@ -275,6 +275,13 @@ def check_imported_mesh():
     refused(mesh, "--frame", "file", says="phantom.name = sphere")
 
 
+def check_recorded_scene():
+    """The report of a recording has a scene and no picture: the truth is that of the same scene's run."""
+    assert command("record", "--out", path("recorded"), *settings(SCENE)).returncode == 0
+    os.rename(path("recorded/recording.json"), path("recorded/report.json"))
+    assert score("parallel/depth.exr", run="recorded")["error"] == score("parallel/depth.exr")["error"]
+
+
 def check_refusals():
     z = channel("parallel/depth.exr", "Z")
     np.save(path("small.npy"), z[::2, ::2])
@@ -319,4 +326,5 @@ for view, keys in {"parallel": [], "perspective": ASKEW + ["render.view.projecti
     check_points(view)
 check_imported_mesh()
 check_claims()
+check_recorded_scene()
 check_refusals()

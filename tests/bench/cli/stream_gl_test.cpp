@@ -319,6 +319,15 @@ TEST_F(StreamCommand, AnotherBodyInTheStreamIsRefusedAndAnotherScaleEndsIt) {
   EXPECT_EQ(json_of("out/report.json")["timing"]["latency"]["shown"]["volumes"], 2);
 }
 
+TEST_F(StreamCommand, TakesTheReportOfARunAsItsScene) {
+  ASSERT_EQ(bench("run --out run", {kSphere, kScan, kPicture}).exit_code, 0);
+  const auto again = bench("run run/report.json --out again");
+  EXPECT_FALSE(holds(again.err, "without effect")) << again.err;
+  const auto result =
+      bench("stream run/report.json --volumes 2 --policy every --codec none --errors 0 --out out");
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+}
+
 TEST_F(StreamCommand, AgesOfSinglePicturesAreThoseOfTheReport) {
   const auto result = bench(
       "stream --board sim,pace=realtime --volumes 5 --policy "

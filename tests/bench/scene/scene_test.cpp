@@ -6,6 +6,7 @@
 
 #include <cmath>
 #include <filesystem>
+#include <fstream>
 #include <memory>
 #include <nlohmann/json.hpp>
 
@@ -115,6 +116,21 @@ TEST_F(SceneFile, SimulationStartsFromItsPreset) {
                 "mean clinical?");
   EXPECT_EQ(refusal("[simulation.clutter]\nparticles_per_cm3 = 50\n"),
             file() + ": simulation.clutter.particles_per_cm3 = 50: must be within 0 and 20");
+}
+
+/// A report names every option; commands set these themselves, or refuse them.
+TEST_F(SceneFile, AReportChoosesNoRungNoSeedAndNotItsOneVolume) {
+  const fs::path report = fs::path(file()).replace_filename("report.json");
+  std::ofstream(report) << nlohmann::ordered_json{{"scene", resolved(Scene())}};
+  for (const char* key :
+       {"acquisition.volumes", "simulation.fidelity", "simulation.seed", "simulation.side_lobes"}) {
+    EXPECT_FALSE(load_scene(report, {}).given.contains(key)) << key;
+  }
+  EXPECT_FALSE(is_accuracy_plan(report));
+  EXPECT_TRUE(load_scene(report, {"simulation.seed=3"}).given.contains("simulation.seed"));
+  std::ofstream(report) << nlohmann::ordered_json{
+      {"scene", resolved(load_scene({}, {"acquisition.volumes=4"}))}};
+  EXPECT_TRUE(load_scene(report, {}).given.contains("acquisition.volumes"));
 }
 
 TEST_F(SceneFile, RefusalsNameFileKeyValueAndWhatIsAllowed) {

@@ -8,6 +8,7 @@
 #include <set>
 #include <sstream>
 
+#include "base/number_text.h"
 #include "tests/bench/cli/program_under_test.h"
 
 namespace wobblebench::bench {
@@ -88,6 +89,7 @@ TEST_F(Dataset, HasALineForEachSceneAndNotesRefusals) {
   const auto lines = manifest("whole");
   ASSERT_EQ(lines.size(), 4U);
   int refused = 0;
+  std::vector<double> p95_mm;
   for (std::size_t i = 0; i < lines.size(); ++i) {
     const Json& line = lines[i];
     EXPECT_EQ(line.at("index"), i);
@@ -102,10 +104,22 @@ TEST_F(Dataset, HasALineForEachSceneAndNotesRefusals) {
          {"recording.wbst", "polar.npz", "depth.exr", "truth_depth.exr", "labels.exr"}) {
       EXPECT_TRUE(line.at("files").contains(name)) << name;
     }
+    p95_mm.push_back(line.at("error").at("p95_mm"));
+    const std::string scene = "whole/scenes/00000" + std::to_string(i) + "/report.json";
+    std::ifstream report(folder_.path() / scene);
+    EXPECT_EQ(Json::parse(report).at("warnings").dump().find("--board sim"), std::string::npos)
+        << "of what it was made with";
     const double radius_mm = line.at("settings").at("phantom.radius_mm");
     EXPECT_TRUE(radius_mm >= 15 && radius_mm <= 25) << radius_mm;
   }
   EXPECT_EQ(refused, 1);
+  // Large: the median over the scenes, and the scene where it is greatest.
+  ASSERT_EQ(p95_mm.size(), 3U);
+  std::ranges::sort(p95_mm);
+  std::ifstream page(folder_.path() / "whole/dataset.md");
+  const std::string text{std::istreambuf_iterator<char>(page), {}};
+  EXPECT_NE(text.find("- **P95** " + fixed(p95_mm[1], 2) + " mm: "), std::string::npos) << text;
+  EXPECT_NE(text.find("greatest " + fixed(p95_mm[2], 2) + " of scene "), std::string::npos) << text;
 }
 
 TEST_F(Dataset, ShardsTogetherAreTheWhole) {

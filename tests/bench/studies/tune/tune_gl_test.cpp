@@ -48,6 +48,12 @@ TEST_F(Tune, WritesASceneThatHoldsWhatWasAsked) {
   EXPECT_LE(report.at("candidates").back().at("fresh").at("p95_mm").at("mean"), 20);
   EXPECT_EQ(report.at("scenes").at(1).at("scene"), "flat");
   EXPECT_EQ(report.at("scenes").at(1).at("searched"), "no");
+  // Large, what the limit is held against, on the scenes that were searched and on the others.
+  for (const char* const scenes : {"reached", "reached_unseen"}) {
+    const double bound_mm = report.at(scenes).at(0).at("bound");
+    EXPECT_TRUE(holds(bytes_of(at("out/tune.md")),
+                      "- **P95** " + fixed(bound_mm, 2) + " mm: At most 20; "));
+  }
   ASSERT_TRUE(fs::exists(at("out/tuned.toml")));
   // The whole scene that was measured: on the same seeds it has the promised error.
   double sum = 0;
