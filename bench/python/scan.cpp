@@ -6,10 +6,12 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <numeric>
+#include <optional>
 #include <utility>
 
 #include "base/units.h"
 #include "base/user_error.h"
+#include "bench/evaluation/head_pose/find_head.h"
 #include "bench/python/arrays.h"
 #include "bench/python/board.h"
 #include "bench/python/calls.h"
@@ -229,6 +231,20 @@ void add_board(py::module_& module) {
       },
       py::arg("scene"),
       "The volume that the simulated probe makes of a scene of one volume. Raises BadInput.");
+  module.def(
+      "find_head",
+      [](const VolumePointer& volume) {
+        const auto found = released([volume]() -> std::optional<std::string> {
+          const bench::HeadPose pose = bench::find_head(volume->polar());
+          if (!pose.is_head()) return std::nullopt;
+          return bench::settings_of(bench::head_view(pose)).dump();
+        });
+        return found ? py::object(from_json(*found)) : py::none();
+      },
+      py::arg("volume"),
+      "The settings that show the fetal head in a volume, for Scene.replace(), as `run --frame` "
+      "finds "
+      "them; None where there is none.");
 }
 
 /// A recording that was read once.

@@ -196,22 +196,12 @@ class FetalScene {
   static constexpr double kRoom_m = 3 * kMillimetre;
 
   glm::dvec3 middle_of_skull() const {
-    const HeadShape& shape = child_.solved.shape;
-    return shape.unit_m * glm::dvec3(0, -0.065 * shape.biparietal, 0.48 * shape.occipitofrontal);
+    return wobblebench::phantoms::middle_of_skull(child_.solved.shape);
   }
-  /// Bounds of the head's skin in its pose; of its depth of what is seen from before.
   Box posed_skin() const {
     const FetalLandmarks& pose = head_.landmarks;
-    const glm::dvec3 along = to_head_ * glm::dvec3(0, 0, 1);
-    Box bounds{glm::dvec3(std::numeric_limits<double>::infinity()),
-               glm::dvec3(-std::numeric_limits<double>::infinity())};
-    for (const glm::dvec3& point : skin_points(head_, middle_of_skull())) {
-      glm::dvec3 posed = pose.head_to_phantom * point + pose.head_position_m;
-      bounds.low = glm::min(bounds.low, posed);
-      if (!is_seen(head_, point, along)) posed.z = bounds.high.z;
-      bounds.high = glm::max(bounds.high, posed);
-    }
-    return bounds;
+    const Box turned = turned_skin(head_, middle_of_skull(), pose.head_to_phantom);
+    return {turned.low + pose.head_position_m, turned.high + pose.head_position_m};
   }
   std::optional<Mouth> mouth() const {
     if (mouth_open_m_ == 0) return std::nullopt;
@@ -284,7 +274,7 @@ class FetalScene {
   double before_face_m_ = 0;  // least z of what was placed before the face
   UmbilicalCord cord_;
   double placenta_m_;
-  Box skin_;  // of the head, in its pose
+  Box skin_;  // of the head, in its pose; of its depth what is seen from before
   glm::dvec3 position_m_;
   MaternalLayer maternal_layer_;
 };

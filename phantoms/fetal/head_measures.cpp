@@ -3,8 +3,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <glm/common.hpp>
 #include <glm/geometric.hpp>
+#include <glm/matrix.hpp>
 #include <glm/trigonometric.hpp>
+#include <limits>
 
 #include "base/units.h"
 
@@ -55,6 +58,12 @@ std::vector<glm::dvec3> points_around(const CsgBody& body, const glm::dvec3& cen
     points.push_back(first_point(body, {center_m + kFrom_m * outwards, -outwards}));
   }
   return points;
+}
+
+// Whether a point of the skin is the first on the ray along this unit vector.
+bool is_seen(const FetalHead& head, const glm::dvec3& skin_m, const glm::dvec3& along) {
+  constexpr double kFrom_m = 0.15, kNear_m = 0.3e-3;
+  return glm::distance(first_point(head.skin, {skin_m - kFrom_m * along, along}), skin_m) < kNear_m;
 }
 
 // The parameter between two limits where `value` is largest: the best of some equal steps, then
@@ -480,13 +489,25 @@ double reach_of_skull(const FetalHead& head, const glm::dvec3& center_m) {
   return reach;
 }
 
+glm::dvec3 middle_of_skull(const HeadShape& shape) {
+  return shape.unit_m * glm::dvec3(0, -0.065 * shape.biparietal, 0.48 * shape.occipitofrontal);
+}
+
 std::vector<glm::dvec3> skin_points(const FetalHead& head, const glm::dvec3& center_m) {
   return points_around(head.skin, center_m);
 }
 
-bool is_seen(const FetalHead& head, const glm::dvec3& skin_m, const glm::dvec3& along) {
-  constexpr double kFrom_m = 0.15, kNear_m = 0.3e-3;
-  return glm::distance(first_point(head.skin, {skin_m - kFrom_m * along, along}), skin_m) < kNear_m;
+Box turned_skin(const FetalHead& head, const glm::dvec3& center_m, const glm::dmat3& rotation) {
+  const glm::dvec3 along = glm::transpose(rotation) * glm::dvec3(0, 0, 1);
+  Box bounds{glm::dvec3(std::numeric_limits<double>::infinity()),
+             glm::dvec3(-std::numeric_limits<double>::infinity())};
+  for (const glm::dvec3& point : skin_points(head, center_m)) {
+    glm::dvec3 turned = rotation * point;
+    bounds.low = glm::min(bounds.low, turned);
+    if (!is_seen(head, point, along)) turned.z = bounds.high.z;
+    bounds.high = glm::max(bounds.high, turned);
+  }
+  return bounds;
 }
 
 MeasuredHead measure_head(const FetalHead& head, const HeadShape& shape) {

@@ -7,6 +7,7 @@
 
 #include "phantoms/fetal/face_measures.h"
 #include "phantoms/fetal/fetal_head.h"
+#include "phantoms/phantom.h"
 
 namespace wobblebench::phantoms {
 
@@ -37,9 +38,12 @@ std::vector<NamedPoint> named_points(const FetalHead& head, const HeadShape& sha
 
 /// Radius of the smallest ball about `center_m` that contains the bone, by rays from outside.
 double reach_of_skull(const FetalHead& head, const glm::dvec3& center_m);
-/// Of the skin, some 3 mm apart, by rays from outside; head frame.
+/// A point well within the skull; head frame.
+glm::dvec3 middle_of_skull(const HeadShape& shape);
+/// Of the skin, some 3 mm apart, by rays from outside towards this point; head frame.
 std::vector<glm::dvec3> skin_points(const FetalHead& head, const glm::dvec3& center_m);
-/// Whether a point of the skin is the first on the ray along this unit vector; head frame.
-bool is_seen(const FetalHead& head, const glm::dvec3& skin_m, const glm::dvec3& along);
+/// Bounds of the skin, about the head's origin and turned by `rotation`: its depth ends with what
+/// is seen along z.
+Box turned_skin(const FetalHead& head, const glm::dvec3& center_m, const glm::dmat3& rotation);
 
 }  // namespace wobblebench::phantoms

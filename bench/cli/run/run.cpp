@@ -18,6 +18,7 @@
 #include "bench/command/limits.h"
 #include "bench/command/run_in_folder.h"
 #include "bench/command/software_renderer.h"
+#include "bench/evaluation/head_pose/find_head.h"
 #include "bench/evaluation/truth/shadows.h"
 #include "bench/output/encoders.h"
 #include "bench/output/error_report.h"
@@ -44,6 +45,7 @@ struct RunArguments {
   std::vector<std::string> limits;
   std::vector<std::string> renderers;
   std::string tolerance;  ///< empty: none
+  bool frame = false;
   bool labels = false;
   bool register_surface = false;
   bool fail_on_loss = false;
@@ -67,6 +69,7 @@ std::optional<ToleranceRequest> tolerance_request(const RunArguments& arguments)
 std::vector<PlannedStep> planned_steps(const RunArguments& arguments) {
   return {{"choose", arguments.tolerance.empty() ? 0.0 : 400.0},
           {"phantom", 40},
+          {"frame", arguments.frame ? 30.0 : 0.0},
           {"scene", 5},
           {"shaders", 1},
           {"stream", 25},
@@ -122,14 +125,49 @@ struct ChosenRenderer {
   std::unique_ptr<StreamRenderer> passes;
 };
 
-/// The volume, and the picture of it.
+/// A volume, and the scene with the view of the head in it.
+struct FramedScan {
+  Acquisition acquisition;
+  ResolvedScene scene;
+  std::string settings;  ///< as --set takes them
+};
+
+/// Throws UserError where there is no head.
+FramedScan frame_head(BoardConnection& board,
+                      const ResolvedScene& scene,
+                      const sim::TissueMapSource& maps) {
+  Acquisition acquisition = board.acquire(scene, maps);
+  const HeadPose pose = find_head(acquisition.volume);
+  if (!pose.is_head()) {
+    throw UserError(
+        "--frame: no head lies behind fluid in this scan, or its face is turned away by more than "
+        "60 degrees: leave it out, and give render.volume_of_interest and render.view");
+  }
+  Scene framed = scene.options();
+  const std::string settings = set_head_view(head_view(pose), framed);
+  return {std::move(acquisition), {std::move(framed), scene.subject()}, settings};
+}
+
+/// The volume, and the picture of it. `framed`: it has come already.
 RunResult stream_volume(BoardConnection& board,
-                        const StreamSource& source,
+                        const std::optional<StreamSource>& source,
+                        std::optional<FramedScan>& framed,
                         const ChosenRenderer& chosen_renderer) {
+  StreamRenderer& passes = *chosen_renderer.passes;
   render::Picture picture;
   const auto show = [&](const ShownPicture& shown) { picture = shown.picture; };
-  Acquisition acquisition = board.acquire(source, *chosen_renderer.passes, show);
+  const auto show_again = [&](Acquisition taken) {
+    passes.begin_volume(taken.volume.volume_index());
+    for (int frame = 0; frame < taken.volume.plan().acquisition().frames_per_volume; ++frame) {
+      passes.add_frame(frame, taken.volume.frame(frame));
+    }
+    picture = passes.render();
+    return taken;
+  };
+  Acquisition acquisition =
+      framed ? show_again(std::move(framed->acquisition)) : board.acquire(*source, passes, show);
   RunResult result(std::move(acquisition), std::move(picture));
+  if (framed) result.framed = framed->settings;
   if (chosen_renderer.program) {
     result.gl_renderer =
         "the program " + chosen_renderer.program->setting().name + ", with the exchange of files";
@@ -301,13 +339,17 @@ int run(const RunArguments& from_line) {
     PhantomCache cache = open_phantom_cache(arguments.cache.most_megabytes());
     const auto choice = choose_settings(request, given, *context, cache, progress);
     const Scene chosen = with_choice(given, arguments, choice);
-    const ResolvedScene scene = board.resolve(chosen, cache, progress);
-    refuse_unknown(arguments, scene);
-    if (given.given.contains("render.pipeline.mid_volume") &&
-        !given.reported.contains("render.pipeline.mid_volume")) {
+    const ResolvedScene resolved = board.resolve(chosen, cache, progress);
+    refuse_unknown(arguments, resolved);
+    if (given.given.contains("render.pipeline.mid_volume")) {
       progress.warn("render.pipeline.mid_volume: without effect: `run` renders a whole volume");
     }
     const sim::TissueMapSource maps = kept_maps(cache.tissue_maps());
+    std::optional<FramedScan> framed;
+    if (arguments.frame) {
+      framed = progress.step("frame", [&] { return frame_head(board, resolved, maps); });
+    }
+    const ResolvedScene& scene = framed ? framed->scene : resolved;
     // Of the simulator's volume, beside its samples and their picture. Invalid: not known.
     std::future<TrueVolume> truth;
     if (scene.subject()) {
@@ -316,12 +358,14 @@ int run(const RunArguments& from_line) {
     const ChosenRenderer chosen_renderer(*context, scene);
     std::future<void> compiled;
     if (chosen_renderer.renderer) compiled = chosen_renderer.renderer->compile_in_background();
-    const auto source =
-        progress.step("scene", [&] { return board.connect(scene, maps, cache.echoes(scene)); });
+    std::optional<StreamSource> source;
+    if (!framed) {
+      progress.step("scene", [&] { source.emplace(board.connect(scene, maps, cache.echoes(scene))); });
+    }
     if (chosen_renderer.renderer) progress.step("shaders", [&] { compiled.get(); });
 
-    RunResult result =
-        progress.step("stream", [&] { return stream_volume(board, source, chosen_renderer); });
+    RunResult result = progress.step(
+        "stream", [&] { return stream_volume(board, source, framed, chosen_renderer); });
     result.motor = hw::motor_deviation(result.acquisition.volume);
     warn_of_samples(result, board, scene, progress);
     result.comparison = compare(result, scene, maps, std::move(truth), arguments, progress);
@@ -365,6 +409,13 @@ Command add_run_command(CLI::App& app) {
   add_board_option(command, arguments->board);
   add_gl_option(command, arguments->gl);
   add_renderer_option(command, arguments->renderers);
+  add_flag(
+      command,
+      "--frame",
+      arguments->frame,
+      "Find the fetal head in the echoes, and set render.view and render.volume_of_interest to "
+      "it, where they are not given: upright, seen from before. The settings are printed. Exit "
+      "code 2 where no head is found");
   add_flag(command,
            "--labels",
            arguments->labels,

@@ -193,7 +193,8 @@ std::string run_summary(const RunResult& result,
                         const std::optional<ToleranceResult>& tolerance) {
   return volume_line(result, scene) + board_line(result.acquisition.account) + "render      " +
          rounded(frame_ms(result.picture.passes)) + " ms on " + result.gl_renderer + "\n" +
-         samples_line(result.acquisition.samples) + truth_line(result) +
+         samples_line(result.acquisition.samples) +
+         (result.framed.empty() ? "" : "frame       " + result.framed + "\n") + truth_line(result) +
          (result.comparison ? error_text(*result.comparison, scene)
                             : "truth       none; " + no_truth(result) + "\n") +
          registration_lines(result) + (tolerance ? tolerance_lines(*tolerance) : "") +

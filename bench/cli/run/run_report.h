@@ -22,6 +22,7 @@ struct RunResult : PictureResult {
       : PictureResult{.picture = std::move(shown)}, acquisition(std::move(acquired)) {}
 
   Acquisition acquisition;
+  std::string framed = {};        ///< --frame: the settings that it found
   std::string gl_backend = {};    ///< as --gl takes it
   std::string gl_renderer = {};   ///< GL_RENDERER and GL_VERSION
   PhantomCache::Kept kept = {};   ///< what was read from the cache
