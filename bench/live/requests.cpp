@@ -8,6 +8,7 @@
 #include "base/text.h"
 #include "base/user_error.h"
 #include "bench/command/program.h"
+#include "bench/evaluation/head_pose/find_head.h"
 #include "bench/live/controls.h"
 #include "bench/output/image_io.h"
 #include "bench/output/page/page_text.h"
@@ -105,6 +106,11 @@ Json LiveRequests::answer(const nlohmann::json& request, ServerCalls::Answer& to
   if (what == "history") return history();
   if (what == "set") {
     serial = panel_.set(texts_of(request, "settings"));
+  } else if (what == "frame") {
+    const SharedPicture shown = pipeline_.shown();
+    if (!shown || !shown->frames) throw UserError("frame: no volume is whole yet");
+    const hw::AcquisitionPlan& plan = shown->state->scene.plan();
+    serial = panel_.set(find_head_view(plan, *shown->frames, "frame"));
   } else if (what == "reset") {
     serial = panel_.reset(texts_of(request, "keys"));
   } else if (what == "play" || what == "pause") {
@@ -132,7 +138,7 @@ Json LiveRequests::answer(const nlohmann::json& request, ServerCalls::Answer& to
   } else if (what != "ping") {
     throw UserError(
         "do = " + what +
-        ": must be hello, ping, set, reset, play, pause, step, faults, show, save, compare, "
+        ": must be hello, ping, set, frame, reset, play, pause, step, faults, show, save, compare, "
         "history or past");
   }
   return {{"type", "done"}, {"serial", serial}};

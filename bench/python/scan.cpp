@@ -6,7 +6,6 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <numeric>
-#include <optional>
 #include <utility>
 
 #include "base/units.h"
@@ -234,17 +233,14 @@ void add_board(py::module_& module) {
   module.def(
       "find_head",
       [](const VolumePointer& volume) {
-        const auto found = released([volume]() -> std::optional<std::string> {
-          const bench::HeadPose pose = bench::find_head(volume->polar());
-          if (!pose.is_head()) return std::nullopt;
-          return bench::settings_of(bench::head_view(pose)).dump();
+        return released([volume] {
+          return bench::find_head_view(volume->plan, volume->polar().frames(), "find_head");
         });
-        return found ? py::object(from_json(*found)) : py::none();
       },
       py::arg("volume"),
-      "The settings that show the fetal head in a volume, for Scene.replace(), as `run --frame` "
-      "finds "
-      "them; None where there is none.");
+      "The settings that show the fetal head in a volume upright and whole, for Scene.replace(), "
+      "as "
+      "`run --frame` finds them. Raises BadInput where there is none.");
 }
 
 /// A recording that was read once.

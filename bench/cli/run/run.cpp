@@ -134,18 +134,29 @@ struct FramedScan {
 
 /// Throws UserError where there is no head.
 FramedScan frame_head(BoardConnection& board,
+                      const SceneArguments& arguments,
                       const ResolvedScene& scene,
                       const sim::TissueMapSource& maps) {
   Acquisition acquisition = board.acquire(scene, maps);
-  const HeadPose pose = find_head(acquisition.volume);
-  if (!pose.is_head()) {
-    throw UserError(
-        "--frame: no head lies behind fluid in this scan, or its face is turned away by more than "
-        "60 degrees: leave it out, and give render.volume_of_interest and render.view");
-  }
   Scene framed = scene.options();
-  const std::string settings = set_head_view(head_view(pose), framed);
-  return {std::move(acquisition), {std::move(framed), scene.subject()}, settings};
+  SceneArguments with_view = arguments;
+  std::string shown, kept;
+  for (const std::string& setting :
+       find_head_view(scene.plan(), acquisition.volume.frames(), "--frame")) {
+    const std::string key = setting.substr(0, setting.find('='));
+    if (framed.given.contains(key)) {
+      kept += (kept.empty() ? "(given, and kept: " : ", ") + key;
+    } else {
+      with_view.settings.push_back(setting);
+      shown += "--set '" + setting + "' ";
+    }
+  }
+  const render::RenderOptions viewed = load_scene(with_view.file, with_view.settings).render;
+  framed.render.view = viewed.view;
+  framed.render.volume_of_interest = viewed.volume_of_interest;
+  return {std::move(acquisition),
+          {std::move(framed), scene.subject()},
+          shown + (kept.empty() ? "" : kept + ")")};
 }
 
 /// The volume, and the picture of it. `framed`: it has come already.
@@ -347,7 +358,8 @@ int run(const RunArguments& from_line) {
     const sim::TissueMapSource maps = kept_maps(cache.tissue_maps());
     std::optional<FramedScan> framed;
     if (arguments.frame) {
-      framed = progress.step("frame", [&] { return frame_head(board, resolved, maps); });
+      framed = progress.step("frame",
+                             [&] { return frame_head(board, arguments.scene, resolved, maps); });
     }
     const ResolvedScene& scene = framed ? framed->scene : resolved;
     // Of the simulator's volume, beside its samples and their picture. Invalid: not known.

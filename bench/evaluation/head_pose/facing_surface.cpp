@@ -1,8 +1,7 @@
 #include "bench/evaluation/head_pose/facing_surface.h"
 
-#include <array>
 #include <cmath>
-#include <limits>
+#include <cstddef>
 #include <utility>
 
 #include "render/reconstruction/stick_edges.h"
@@ -11,9 +10,11 @@ namespace wobblebench::bench {
 
 namespace {
 
-constexpr double kFluid_m = 10e-3;  // more than a dark spot of tissue
-constexpr double kStep_m = 5e-3;    // neighbours on one surface differ by less
-constexpr double kLevel = 0.5;      // of the way from fluid to tissue
+constexpr double kFluid_m = 10e-3;      // more than a dark spot of tissue
+constexpr double kStep_m = 5e-3;        // neighbours on one surface differ by less
+constexpr double kLevel = 0.5;          // of the way from fluid to tissue
+constexpr double kFluidStep_m = 8e-3;   // between points where there is no tissue
+constexpr double kBeforeEdge_m = 4e-3;  // none of these is nearer to a surface
 
 /// The first sample of a stick in the middle of kFluid_m of fluid; `samples`: there is none.
 int fluid_begin(const float* stick, int samples, double level, const hw::AcquisitionPlan& plan) {
@@ -28,58 +29,53 @@ int fluid_begin(const float* stick, int samples, double level, const hw::Acquisi
   return samples;
 }
 
-/// Calls `visit` with each neighbour's index; -1: outside the scan.
+/// Calls `visit` with the neighbours of a stick.
 template <class Visit>
 void for_neighbours(int stick, int frames, int lines, const Visit& visit) {
-  const int frame = stick / lines, line = stick % lines;
-  for (const auto& [df, dl] :
-       std::array<std::pair<int, int>, 4>{{{1, 0}, {-1, 0}, {0, 1}, {0, -1}}}) {
-    const int f = frame + df, l = line + dl;
-    visit(f < 0 || l < 0 || f >= frames || l >= lines ? -1 : f * lines + l);
-  }
+  if (stick >= lines) visit(stick - lines);
+  if (stick < (frames - 1) * lines) visit(stick + lines);
+  if (stick % lines > 0) visit(stick - 1);
+  if (stick % lines < lines - 1) visit(stick + 1);
 }
 
-std::vector<SurfaceIsland> islands_of(const std::vector<double>& edge_m, int frames, int lines) {
-  const auto edge = [&](int stick) { return edge_m[static_cast<std::size_t>(stick)]; };
-  std::vector<SurfaceIsland> islands;
-  std::vector<char> taken(edge_m.size());
-  for (int first = 0; first < frames * lines; ++first) {
-    if (std::isnan(edge(first)) || taken[static_cast<std::size_t>(first)]) continue;
-    SurfaceIsland island{.sticks = {static_cast<std::size_t>(first)}};
-    taken[static_cast<std::size_t>(first)] = 1;
-    int rim = 0, free = 0;
-    for (std::size_t next = 0; next < island.sticks.size(); ++next) {
-      const int here = static_cast<int>(island.sticks[next]);
-      for_neighbours(here, frames, lines, [&](int beside) {
-        if (beside < 0) return;
-        if (std::abs(edge(beside) - edge(here)) < kStep_m) {
-          if (std::exchange(taken[static_cast<std::size_t>(beside)], 1) == 0) {
-            island.sticks.push_back(static_cast<std::size_t>(beside));
-          }
-          return;
-        }
-        ++rim;
-        free += !(edge(beside) < edge(here));
-      });
-    }
-    island.free_rim = rim > 0 ? double(free) / rim : 0;
-    islands.push_back(std::move(island));
+/// The piece of surface that this stick meets. `left`: sticks that belong to none yet.
+SurfaceIsland island_at(
+    int first, const FacingSurface& seen, int frames, int lines, std::vector<char>& left) {
+  const auto edge = [&](int stick) { return seen.edge_m[static_cast<std::size_t>(stick)]; };
+  const auto take = [&](int stick) {
+    return std::exchange(left[static_cast<std::size_t>(stick)], char{0}) != 0;
+  };
+  SurfaceIsland island;
+  int rim = 0, free = 0;
+  std::vector<int> sticks{first};
+  take(first);
+  for (std::size_t next = 0; next < sticks.size(); ++next) {
+    const int here = sticks[next];
+    island.points.push_back(seen.sticks[static_cast<std::size_t>(here)].at(edge(here)));
+    for_neighbours(here, frames, lines, [&](int beside) {
+      if (std::abs(edge(beside) - edge(here)) < kStep_m) {
+        if (take(beside)) sticks.push_back(beside);
+        return;
+      }
+      ++rim;
+      free += !(edge(beside) < edge(here));
+    });
   }
-  return islands;
+  if (rim > 0) island.free_rim = static_cast<double>(free) / rim;
+  return island;
 }
 
 }  // namespace
 
-FacingSurface find_facing_surface(const hw::PolarVolume& volume) {
-  const hw::AcquisitionPlan& plan = volume.plan();
+FacingSurface find_facing_surface(const hw::AcquisitionPlan& plan,
+                                  const std::vector<hw::PolarFrame>& polar_frames) {
   const int lines = plan.acquisition().sticks_per_frame;
   const int samples = plan.acquisition().samples_per_stick;
-  const int frames = static_cast<int>(volume.frames().size());
+  const int frames = static_cast<int>(polar_frames.size());
   const auto count = static_cast<std::size_t>(frames * lines);
   std::vector<std::vector<float>> values;
   FacingSurface found;
-  for (int frame = 0; frame < frames; ++frame) {
-    const hw::PolarFrame& polar = volume.frame(frame);
+  for (const hw::PolarFrame& polar : polar_frames) {
     values.push_back(polar.samples);
     for (int line = 0; line < lines; ++line) {
       found.sticks.push_back(plan.geometry().stick(
@@ -88,19 +84,26 @@ FacingSurface find_facing_surface(const hw::PolarVolume& volume) {
   }
   std::vector<render::SampleSpan> spans(count, {0, samples});
   const render::EchoLevels levels = render::measure_levels(plan, values, spans);
-  found.fluid_m.assign(count, std::numeric_limits<double>::quiet_NaN());
   for (std::size_t stick = 0; stick < count; ++stick) {
     const auto line = static_cast<std::ptrdiff_t>(stick) % lines;
-    const float* const first =
-        values[stick / static_cast<std::size_t>(lines)].data() + line * samples;
-    spans[stick].begin = fluid_begin(first, samples, levels.at(kLevel), plan);
-    if (spans[stick].begin < samples) {
-      found.fluid_m[stick] = spans[stick].begin * plan.sample_spacing_m();
-    }
+    const auto& frame = values[stick / static_cast<std::size_t>(lines)];
+    spans[stick].begin =
+        fluid_begin(frame.data() + line * samples, samples, levels.at(kLevel), plan);
   }
   found.edge_m =
       render::find_stick_edges(plan, values, spans, levels, render::EdgeSign::rising, kLevel);
-  found.islands = islands_of(found.edge_m, frames, lines);
+  std::vector<char> left(count, 1);
+  for (std::size_t stick = 0; stick < count; ++stick) {
+    const bool has_edge = !std::isnan(found.edge_m[stick]);
+    const double end = has_edge ? found.edge_m[stick] - kBeforeEdge_m : plan.acquisition().depth_m;
+    for (double range = spans[stick].begin * plan.sample_spacing_m(); range < end;
+         range += kFluidStep_m) {
+      found.fluid.push_back(found.sticks[stick].at(range));
+    }
+    if (has_edge && left[stick] != 0) {
+      found.islands.push_back(island_at(static_cast<int>(stick), found, frames, lines, left));
+    }
+  }
   return found;
 }
 

@@ -1,7 +1,7 @@
 // What faces the probe behind fluid: the first surface of each stick beyond the wall of the womb.
 #pragma once
 
-#include <cstddef>
+#include <glm/vec3.hpp>
 #include <vector>
 
 #include "hw/probe/polar_volume.h"
@@ -10,23 +10,22 @@ namespace wobblebench::bench {
 
 /// A connected piece of the surface.
 struct SurfaceIsland {
-  std::vector<std::size_t> sticks;
+  std::vector<glm::dvec3> points;
   /// Share of its rim, stick by stick, beyond which nothing lies or what lies farther away: 1 of a
   /// body in fluid, less of a wall.
   double free_rim = 0;
 };
 
-/// [frame * lines + line]; ranges in m, NaN where there is none.
+/// Sticks are [frame * lines + line].
 struct FacingSurface {
   std::vector<hw::Ray> sticks;
-  std::vector<double> fluid_m;  ///< where the first 10 mm of fluid are passed by half
-  std::vector<double> edge_m;   ///< of the first surface behind it
+  std::vector<double> edge_m;     ///< range of the first surface behind fluid; NaN: there is none
+  std::vector<glm::dvec3> fluid;  ///< points before it, 8 mm apart along a stick
   std::vector<SurfaceIsland> islands;
-
-  glm::dvec3 point(std::size_t stick) const { return sticks[stick].at(edge_m[stick]); }
 };
 
 /// By the edges of render/reconstruction/stick_edges.h, half the way from fluid to tissue.
-FacingSurface find_facing_surface(const hw::PolarVolume& volume);
+FacingSurface find_facing_surface(const hw::AcquisitionPlan& plan,
+                                  const std::vector<hw::PolarFrame>& frames);
 
 }  // namespace wobblebench::bench

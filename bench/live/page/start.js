@@ -64,9 +64,11 @@ class Page {
     const ask = (what) => () => this.link.ask({do: what});
     this.play = make('button', {type: 'button', class: 'play', onclick: () => this.link.ask({do: this.isPlaying ? 'pause' : 'play'})}, 'Pause');
     this.step = make('button', {type: 'button', onclick: ask('step')}, 'One volume');
+    this.frame = make('button', {type: 'button', title: 'Turn the view and lay the box about the head that the echoes show',
+      onclick: () => this.frameHead()}, 'Frame the head');
     this.saveButton = make('button', {type: 'button', onclick: () => this.save()}, 'Save scene');
     this.savedText = make('div', {class: 'saved', hidden: true});
-    return make('div', {}, make('div', {class: 'tools transport'}, this.play, this.step, this.saveButton), this.savedText);
+    return make('div', {}, make('div', {class: 'tools transport'}, this.play, this.step, this.frame, this.saveButton), this.savedText);
   }
 
   faults(kinds) {
@@ -91,13 +93,18 @@ class Page {
     this.linked = true;
     if (settings.length === 0) return;
     const answer = await this.link.ask({do: 'set', settings});
-    if (answer.type === 'refused') this.tellOfLink(answer.why);
+    if (answer.type === 'refused') this.tell(`The address holds settings that were not taken: ${answer.why}`);
   }
 
-  tellOfLink(why) {
+  async frameHead() {
+    const answer = await this.link.ask({do: 'frame'});
+    this.tell(answer.type === 'refused' ? answer.why : '');
+  }
+
+  tell(text) {
     const line = this.element('link');
-    line.textContent = `The address holds settings that were not taken: ${why}`;
-    line.hidden = false;
+    line.textContent = text;
+    line.hidden = !text;
   }
 
   /** A link carries what is set. */
