@@ -53,6 +53,22 @@ test('going back shows a volume, its picture, error and planes as they were', ()
   assert.match((await ask(page, {do: 'past', number: 1, of: 'passwords'})).why, /must be picture, maps or planes/);
 }));
 
+test('the head is framed upright, and where there is none a line says so', () => withLive(async (page) => {
+  const frame = page.getByRole('button', {name: 'Frame the head'});
+  await pictureOf(page, await set(page, ['phantom.name=fetal_face', 'phantom.voxel_mm=1', 'placement.rotation_deg=[0, 0, 90]',
+    'acquisition.frames_per_volume=37', 'acquisition.sticks_per_frame=64', 'acquisition.samples_per_stick=512']));
+  await page.locator('#stage').filter({hasText: 'Playing'}).waitFor();
+  await frame.click();
+  const roll = page.locator('[data-key="render.view.roll_deg"] input[type="text"]');
+  await page.waitForFunction((element) => element.value !== '0', await roll.elementHandle());
+  const found = Number(await roll.inputValue());  // the child's own head is rolled by -5 degrees
+  assert.ok(found > 70 && found < 100, String(found));
+  await pictureOf(page, await set(page, ['phantom.name=sphere']));
+  await page.locator('#stage').filter({hasText: 'Playing'}).waitFor();
+  await frame.click();
+  await page.locator('#link').filter({hasText: 'no head was found'}).waitFor();
+}));
+
 test('the picture is compared with that of the start, of the same volume', () => withLive(async (page) => {
   await pause(page);
   const start = await savedOf(page, 0);
@@ -207,7 +223,7 @@ test('everything is reached and used by the keyboard', () => withLive(async (pag
     assert.ok(hasMark, `${name}: not to be seen that it has the focus`);
     reached.push(name);
   }
-  for (const name of ['Pause', 'One volume', 'Save scene', 'Compare with start', 'Picture', 'Drag turns', 'Volume of the last minute', 'Slow motion ¼',
+  for (const name of ['Pause', 'One volume', 'Frame the head', 'Save scene', 'Compare with start', 'Picture', 'Drag turns', 'Volume of the last minute', 'Slow motion ¼',
     'drop', 'B-mode planes', 'Probe and phantom in space', 'Find a setting', 'Reset all', 'Yaw', 'Yaw, slider', 'Threshold']) {
     assert.ok(reached.some((each) => each === name || name === 'Picture' && each.startsWith('Picture')), `${name} of ${reached.join(' | ')}`);
   }

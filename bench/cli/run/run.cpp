@@ -145,10 +145,10 @@ FramedScan frame_head(BoardConnection& board,
        find_head_view(scene.plan(), acquisition.volume.frames(), "--frame")) {
     const std::string key = setting.substr(0, setting.find('='));
     if (framed.given.contains(key)) {
-      kept += (kept.empty() ? "(given, and kept: " : ", ") + key;
+      kept += (kept.empty() ? " (given, and kept: " : ", ") + key;
     } else {
       with_view.settings.push_back(setting);
-      shown += "--set '" + setting + "' ";
+      shown += (shown.empty() ? "--set '" : " --set '") + setting + "'";
     }
   }
   const render::RenderOptions viewed = load_scene(with_view.file, with_view.settings).render;
