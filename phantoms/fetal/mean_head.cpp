@@ -27,14 +27,14 @@ const SolvedHead& mean_head() {
 
 MeanHead::MeanHead() {
   const SolvedHead& mean = mean_head();
-  const auto points = skin_points(mean.head, middle_of_skull(mean.shape));
-  glm::dvec3 low = points.front(), high = low;
-  for (const glm::dvec3& point : points) {
-    low = glm::min(low, point);
-    high = glm::max(high, point);
-    reach_m_ = std::max(reach_m_, glm::distance(point, kMiddle_m));
+  glm::dvec3 low(0), high(0);
+  for (const glm::dvec3& point : skin_points(mean.head, middle_of_skull(mean.shape))) {
+    skin_m_.push_back(point - kMiddle_m);
+    low = glm::min(low, skin_m_.back());
+    high = glm::max(high, skin_m_.back());
+    reach_m_ = std::max(reach_m_, glm::length(skin_m_.back()));
   }
-  low_m_ = low - kAround_m - kMiddle_m;
+  low_m_ = low - kAround_m;
   size_ = glm::ivec3((high - low + 2 * kAround_m) / kCell_m) + 2;
   distance_m_.resize(static_cast<std::size_t>(size_.x) * static_cast<std::size_t>(size_.y) *
                      static_cast<std::size_t>(size_.z));
@@ -46,10 +46,6 @@ MeanHead::MeanHead() {
       }
     }
   });
-  for (const glm::dvec3& point : points) {
-    const glm::dvec3 position = point - kMiddle_m;
-    skin_.push_back({position, glm::normalize(distance(position).gradient)});
-  }
 }
 
 float& MeanHead::at(const glm::ivec3& cell) {

@@ -29,11 +29,8 @@ class MeanHead {
   /// At any position; to first order near the surface, some percent off far away.
   Distance distance(const glm::dvec3& position_m) const;
 
-  struct SkinPoint {
-    glm::dvec3 position_m{0};
-    glm::dvec3 normal{0};  ///< outwards
-  };
-  const std::vector<SkinPoint>& skin() const { return skin_; }
+  /// Points of the skin, some 3 mm apart.
+  const std::vector<glm::dvec3>& skin_m() const { return skin_m_; }
   /// Radius about the origin of a ball that contains the head.
   double reach_m() const { return reach_m_; }
 
@@ -46,7 +43,7 @@ class MeanHead {
   glm::ivec3 size_{0};
   glm::dvec3 low_m_{0};
   std::vector<float> distance_m_;  // [z][y][x]
-  std::vector<SkinPoint> skin_;
+  std::vector<glm::dvec3> skin_m_;
   double reach_m_ = 0;
 };
 

@@ -28,7 +28,7 @@ using Points = std::vector<glm::dvec3>;
 
 /// Candidate::matched and rival of a head; beyond, it is another body
 /// (docs/decisions/0063-a-frame-that-finds-itself.md).
-constexpr double kLeastMatched = 0.36, kMostRival = 0.9;
+constexpr double kLeastMatched = 0.36, kMostRival = 0.85;
 constexpr double kOther_rad = 35 * kDegree;  // a rival's least angle
 
 constexpr std::size_t kIslands = 4;                      // that may be the head
@@ -36,8 +36,9 @@ constexpr std::size_t kLeastSticks = 60;                 // of such an island
 constexpr double kLeastRim = 0.45;                       // SurfaceIsland::free_rim of it
 constexpr double kAround_m = 110e-3;                     // about its middle: fluid that counts
 constexpr double kRoughMatch_m = 8e-3, kMatch_m = 4e-3;  // Candidate::matched
+constexpr double kBehindFace_m = 30e-3;  // the mean head's middle, of what is seen of it
 constexpr double kLeastScale = 0.65, kMostScale = 1.4;
-constexpr std::size_t kRefined = 32;  // poses that are fitted closely
+constexpr std::size_t kRefined = 64;  // poses that are fitted closely
 
 /// From the frame of phantoms::MeanHead to the probe frame: scale * rotation * head + position.
 struct Candidate {
@@ -88,18 +89,6 @@ std::vector<glm::dmat3> facing_rotations() {
   return rotations;
 }
 
-/// Middle of what is seen along z of the head so turned, from its origin.
-glm::dvec3 middle_of_seen(const phantoms::MeanHead& head, const glm::dmat3& rotation) {
-  glm::dvec3 sum(0);
-  double weights = 0;
-  for (const auto& [position_m, normal] : head.skin()) {
-    const double weight = std::max(0.0, -(rotation * normal).z);
-    sum += weight * position_m;
-    weights += weight;
-  }
-  return rotation * (sum / weights);
-}
-
 double angle_rad(const Candidate& a, const Candidate& b) {
   const glm::dmat3 turn = glm::transpose(a.rotation) * b.rotation;
   return std::acos(std::clamp((turn[0].x + turn[1].y + turn[2].z - 1) / 2, -1.0, 1.0));
@@ -148,7 +137,7 @@ class HeadSearch {
     for (const double scale : {0.72, 0.87, 1.05, 1.25}) {
       for (const glm::dmat3& rotation : facing_rotations()) {
         poses.push_back({.rotation = rotation,
-                         .position_m = middle - scale * middle_of_seen(head_, rotation),
+                         .position_m = middle + glm::dvec3(0, 0, scale * kBehindFace_m),
                          .log_scale = std::log(scale)});
       }
     }
@@ -277,8 +266,8 @@ std::vector<std::string> settings_of(const Candidate& pose) {
   // The picture is as wide as the box, but lies along the head.
   const glm::dvec3 offset = glm::transpose(r) * from_middle;
   double& longer = size.x > size.y ? size.x : size.y;
-  for (const auto& skin : head.skin()) {
-    const glm::dvec3 from = glm::abs(pose.scale() * skin.position_m - offset);
+  for (const glm::dvec3& skin_m : head.skin_m()) {
+    const glm::dvec3 from = glm::abs(pose.scale() * skin_m - offset);
     longer = std::max(longer, 2 * std::max(from.x, from.y) + kRoom_m);
   }
   const auto whole = [](double value, double unit) {

@@ -329,6 +329,10 @@ def simulate(scene: Scene) -> Volume:
     """The volume that the simulated probe makes of a scene of one volume. Raises BadInput."""
 
 
+def find_head(volume: Volume) -> list[str]:
+    """The settings that show the fetal head in a volume upright and whole, for Scene.replace(), as `run --frame` finds them. Raises BadInput where there is none."""
+
+
 class Recording:
     """What a recording holds, and what is wrong with it; iterates over volumes."""
 
