@@ -27,7 +27,7 @@ namespace {
 using Points = std::vector<glm::dvec3>;
 
 /// Candidate::matched and rival of a head; beyond, it is another body
-/// (docs/decisions/0063-a-frame-that-finds-itself.md).
+/// (docs/decisions/0063-view-from-the-echoes.md).
 constexpr double kLeastMatched = 0.36, kMostRival = 0.85;
 constexpr double kOther_rad = 35 * kDegree;  // a rival's least angle
 
