@@ -6,7 +6,6 @@
 #include <limits>
 #include <map>
 #include <nlohmann/json.hpp>
-#include <set>
 #include <utility>
 
 #include "base/number_text.h"
@@ -347,51 +346,36 @@ void add_pictures(const AccuracyResults& results, Document& document) {
   add_details(results, document);
 }
 
-/// Means of one setting over scenes and rungs.
-class SettingMeans {
- public:
-  SettingMeans(const AccuracyResults& results, const std::string& setting) {
-    for (const AccuracySummary& s : results.summaries) {
-      if (s.group == "picture" && s.setting == setting) summaries_.push_back(&s);
-    }
-  }
-  double of(const Measure& measure) const {
-    const std::size_t at = measure_index(measure.key);
-    return mean([at](const AccuracySummary& s) { return s.means[at].mean; });
-  }
-  double render_ms() const {
-    return mean([](const AccuracySummary& s) { return s.render_ms.mean; });
-  }
-  std::string shown(const Measure& measure) const {
-    const Column column = column_of(measure);
-    return heading(column) + " " + Cell(of(measure)).shown(column) + "; ";
-  }
-
- private:
-  template <class Value>
-  double mean(Value value) const {
-    std::vector<double> values;
-    for (const AccuracySummary* s : summaries_) values.push_back(value(*s));
-    return mean_interval(values).mean;
-  }
-
-  std::vector<const AccuracySummary*> summaries_;
-};
-
-/// P95 of each setting, the one that others are compared with first.
+/// P95 of each setting over scenes and rungs, the one that others are compared with first.
 KeyFigures answer_of(const AccuracyResults& results) {
   constexpr std::size_t kMost = 6;
-  KeyFigures figures;
-  std::set<std::string> shown;
+  std::vector<std::string> settings;
+  std::map<std::string, std::vector<const AccuracySummary*>> summaries;
   for (const AccuracySummary& s : results.summaries) {
-    if (shown.size() == kMost || !shown.insert(s.setting).second) continue;
-    const SettingMeans means(results, s.setting);
-    figures.add("P95, " + s.setting,
-                means.of(error::kP95),
+    if (s.group == "picture" && summaries[s.setting].empty()) settings.push_back(s.setting);
+    if (s.group == "picture") summaries[s.setting].push_back(&s);
+  }
+  settings.resize(std::min(settings.size(), kMost));
+  KeyFigures figures;
+  for (const std::string& setting : settings) {
+    const auto mean = [&](auto interval) {
+      std::vector<double> values;
+      for (const AccuracySummary* s : summaries[setting]) values.push_back(interval(*s).mean);
+      return mean_interval(values).mean;
+    };
+    const auto of = [&](const Measure& measure) {
+      return mean([at = measure_index(measure.key)](auto& s) { return s.means[at]; });
+    };
+    std::string others;
+    for (const Measure* measure : {&error::kMedian, &error::kMissed, &error::kFalse}) {
+      const Column column = column_of(*measure);
+      others += heading(column) + " " + Cell(of(*measure)).shown(column) + "; ";
+    }
+    const double render_ms = mean([](auto& s) { return s.render_ms; });
+    figures.add("P95, " + setting,
+                of(error::kP95),
                 error::kP95.key,
-                means.shown(error::kMedian) + means.shown(error::kMissed) +
-                    means.shown(error::kFalse) + fixed(means.render_ms(), 0) +
-                    " ms for a new volume");
+                others + fixed(render_ms, 0) + " ms for a new volume");
   }
   return figures;
 }

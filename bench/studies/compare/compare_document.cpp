@@ -141,28 +141,26 @@ void add_pair(Document& page, const std::string& scene, const std::string& pictu
                        {compared_picture("new", scene, picture), "New, " + scene + "."}});
 }
 
-/// The surfaces of the first scene where a limit is broken, or of another; its name, empty: there
-/// are none.
-std::string add_leading_pair(const ComparisonResult& result, Document& page) {
+bool has(const std::vector<std::string>& scenes, const std::string& scene) {
+  return std::ranges::find(scenes, scene) != scenes.end();
+}
+
+/// The scene of the first limit in the order of the figures that has pictures; empty: none has.
+std::string leading_scene(const ComparisonResult& result) {
   for (const Verdict* const one : by_outcome(result)) {
-    if (std::ranges::find(result.with_surface, one->scene) == result.with_surface.end()) continue;
-    add_pair(page, one->scene, "surface");
-    return one->scene;
+    if (has(result.with_surface, one->scene)) return one->scene;
   }
   return "";
 }
 
+/// Without the surfaces of the scene that leads.
 void add_pictures(const ComparisonResult& result, const std::string& leading, Document& page) {
   std::set<std::string> scenes(result.with_surface.begin(), result.with_surface.end());
   scenes.insert(result.with_error.begin(), result.with_error.end());
   for (const std::string& scene : scenes) {
     page.add(Heading{"Pictures of " + scene});
-    const bool has_surface =
-        std::ranges::find(result.with_surface, scene) != result.with_surface.end();
-    if (has_surface && scene != leading) add_pair(page, scene, "surface");
-    if (std::ranges::find(result.with_error, scene) != result.with_error.end()) {
-      add_pair(page, scene, "error");
-    }
+    if (has(result.with_surface, scene) && scene != leading) add_pair(page, scene, "surface");
+    if (has(result.with_error, scene)) add_pair(page, scene, "error");
   }
 }
 
@@ -220,7 +218,8 @@ Document compare_document(const ComparisonResult& result) {
       Text{"**" + verdict_line(result) + "**" +
            (compares ? ". Base: `" + result.base.what + "`; new: `" + result.now.what + "`" : "")});
   if (compares) page.add(verdict_figures(result));
-  const auto leading = add_leading_pair(result, page);
+  const std::string leading = leading_scene(result);
+  if (!leading.empty()) add_pair(page, leading, "surface");
   if (!result.verdicts.empty()) page.add(verdict_table(result));
   page.add(side_table(result));
   const Table settings = setting_table(result);
