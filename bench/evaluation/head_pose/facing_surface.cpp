@@ -86,19 +86,24 @@ FacingSurface find_facing_surface(const hw::AcquisitionPlan& plan,
   const render::EchoLevels levels = render::measure_levels(plan, values, spans);
   for (std::size_t stick = 0; stick < count; ++stick) {
     const auto line = static_cast<std::ptrdiff_t>(stick) % lines;
-    const auto& frame = values[stick / static_cast<std::size_t>(lines)];
+    const auto& frame = polar_frames[stick / static_cast<std::size_t>(lines)];
+    const bool is_lost = frame.arrived[static_cast<std::size_t>(line)] == 0;
     spans[stick].begin =
-        fluid_begin(frame.data() + line * samples, samples, levels.at(kLevel), plan);
+        is_lost
+            ? samples
+            : fluid_begin(frame.samples.data() + line * samples, samples, levels.at(kLevel), plan);
   }
   found.edge_m =
       render::find_stick_edges(plan, values, spans, levels, render::EdgeSign::rising, kLevel);
   std::vector<char> left(count, 1);
+  const int fluid_step = render::samples_in(kFluidStep_m, plan);
   for (std::size_t stick = 0; stick < count; ++stick) {
     const bool has_edge = !std::isnan(found.edge_m[stick]);
-    const double end = has_edge ? found.edge_m[stick] - kBeforeEdge_m : plan.acquisition().depth_m;
-    for (double range = spans[stick].begin * plan.sample_spacing_m(); range < end;
-         range += kFluidStep_m) {
-      found.fluid.push_back(found.sticks[stick].at(range));
+    const double end_m =
+        has_edge ? found.edge_m[stick] - kBeforeEdge_m : plan.acquisition().depth_m;
+    const int end = static_cast<int>(end_m / plan.sample_spacing_m());
+    for (int k = spans[stick].begin; k < end; k += fluid_step) {
+      found.fluid.push_back(found.sticks[stick].at(k * plan.sample_spacing_m()));
     }
     if (has_edge && left[stick] != 0) {
       found.islands.push_back(island_at(static_cast<int>(stick), found, frames, lines, left));
