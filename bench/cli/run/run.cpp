@@ -352,7 +352,8 @@ int run(const RunArguments& from_line) {
     const Scene chosen = with_choice(given, arguments, choice);
     const ResolvedScene resolved = board.resolve(chosen, cache, progress);
     refuse_unknown(arguments, resolved);
-    if (given.given.contains("render.pipeline.mid_volume")) {
+    if (given.given.contains("render.pipeline.mid_volume") &&
+        !given.reported.contains("render.pipeline.mid_volume")) {
       progress.warn("render.pipeline.mid_volume: without effect: `run` renders a whole volume");
     }
     const sim::TissueMapSource maps = kept_maps(cache.tissue_maps());
