@@ -134,7 +134,12 @@ Source source_of(const Arguments& arguments) {
     return {board, load_scene(arguments.scene.file, settings)};
   }
   const auto report = nlohmann::ordered_json::parse(read_file(beside), nullptr, false);
-  if (!report.is_object() || !report.contains("scene")) return {board, load_scene({}, settings)};
+  // Of a subject that is not known it says no more than the recording, which need not know its
+  // aperture.
+  const auto phantom = nlohmann::ordered_json::json_pointer("/scene/phantom");
+  if (!report.is_object() || !report.contains(phantom) || report[phantom].is_null()) {
+    return {board, load_scene({}, settings)};
+  }
   return {board, load_resolved_scene(report["scene"], settings, beside.string())};
 }
 

@@ -190,6 +190,12 @@ class Unsaid(Input):
                     again = self.exported("file=" + self.path(file))
                     self.assertEqual((float(again["dynamic_range_db"]), np.isnan(again["full_scale_db"])), (45, True), file)
 
+    def test_a_recording_of_a_scan_without_an_aperture_is_exported_by_its_name(self):
+        run("record", "--board", self.scan(), "--out", self.path("named"))
+        self.assertTrue(os.path.exists(self.path("named/recording.json")))
+        run("export", self.path("named/recording.wbst"), "--to", self.path("named.npz") + ",content=polar")
+        self.assertEqual(np.load(self.path("named.npz"))["samples"].shape, (1, 21, 30, 200))
+
     def test_an_export_warns_of_lost_sticks(self):
         board = "file=" + self.write("s.mha", mha(np.full((21, 30, 200), 99, np.uint8)))
         board += ",geometry=" + self.write("geometry.toml", geometry_text(**POLAR)) + ",faults=drop:0.1"
