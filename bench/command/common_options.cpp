@@ -148,7 +148,8 @@ void add_plan_options(CLI::App& command, SceneArguments& plan) {
 }
 
 void add_cache_options(CLI::App& command, CacheArguments& cache) {
-  add_flag(command, "--no-cache", cache.off, "Make phantom, tissue map and echoes anew, and keep none");
+  add_flag(
+      command, "--no-cache", cache.off, "Make phantom, tissue map and echoes anew, and keep none");
   add_integer(command,
               "--cache-mb",
               cache.megabytes,

@@ -373,7 +373,8 @@ int run(const RunArguments& from_line) {
     if (chosen_renderer.renderer) compiled = chosen_renderer.renderer->compile_in_background();
     std::optional<StreamSource> source;
     if (!framed) {
-      progress.step("scene", [&] { source.emplace(board.connect(scene, maps, cache.echoes(scene))); });
+      progress.step("scene",
+                    [&] { source.emplace(board.connect(scene, maps, cache.echoes(scene))); });
     }
     if (chosen_renderer.renderer) progress.step("shaders", [&] { compiled.get(); });
 
