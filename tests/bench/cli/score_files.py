@@ -277,7 +277,7 @@ def check_imported_mesh():
 
 def check_recorded_scene():
     """The report of a recording has a scene and no picture: the truth is that of the same scene's run."""
-    assert command("record", "--out", path("recorded"), *settings(SCENE)).returncode == 0
+    assert command("record", "--replace", "--out", path("recorded"), *settings(SCENE)).returncode == 0
     os.rename(path("recorded/recording.json"), path("recorded/report.json"))
     same(json.load(open(path("parallel/report.json"))), score("parallel/depth.exr", run="recorded"))
 
