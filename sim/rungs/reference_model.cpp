@@ -126,7 +126,7 @@ void ReferenceScene::add_points(const StickPath& path,
         front_at(path.fronts,
                  point.interface.before,
                  point.interface.behind,
-                 static_cast<int>((position_m.x + delay_m) / path.spacing_m + 0.5));
+                 static_cast<int>(std::lround((position_m.x + delay_m) / path.spacing_m)));
     const double left = front != nullptr
                             ? static_cast<double>(front->remaining)
                             : at_range(path.remaining, path.spacing_m, position_m.x + delay_m);
