@@ -18,7 +18,7 @@
 #include "phantoms/fetal/fetal_child.h"
 #include "phantoms/fetal/fetal_head.h"
 #include "phantoms/fetal/fetal_surroundings.h"
-#include "phantoms/fetal/head_measures.h"
+#include "phantoms/fetal/head_extent.h"
 #include "phantoms/grids.h"
 #include "phantoms/label_finder.h"
 #include "phantoms/refusal.h"

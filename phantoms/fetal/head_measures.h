@@ -7,7 +7,6 @@
 
 #include "phantoms/fetal/face_measures.h"
 #include "phantoms/fetal/fetal_head.h"
-#include "phantoms/phantom.h"
 
 namespace wobblebench::phantoms {
 
@@ -35,15 +34,5 @@ struct NamedPoint {
 
 /// All that the head has: an open mouth has no stomion.
 std::vector<NamedPoint> named_points(const FetalHead& head, const HeadShape& shape);
-
-/// Radius of the smallest ball about `center_m` that contains the bone, by rays from outside.
-double reach_of_skull(const FetalHead& head, const glm::dvec3& center_m);
-/// A point well within the skull; head frame.
-glm::dvec3 middle_of_skull(const HeadShape& shape);
-/// Of the skin, some 3 mm apart, by rays from outside towards this point; head frame.
-std::vector<glm::dvec3> skin_points(const FetalHead& head, const glm::dvec3& center_m);
-/// Bounds of the skin, about the head's origin and turned by `rotation`: its depth ends with what
-/// is seen along z.
-Box turned_skin(const FetalHead& head, const glm::dvec3& center_m, const glm::dmat3& rotation);
 
 }  // namespace wobblebench::phantoms

@@ -8,6 +8,7 @@
 #include "base/parallel.h"
 #include "base/units.h"
 #include "phantoms/fetal/fetal_child.h"
+#include "phantoms/fetal/head_extent.h"
 
 namespace wobblebench::phantoms {
 namespace {
