@@ -17,17 +17,15 @@ class WatchedFiles {
  public:
   explicit WatchedFiles(std::vector<std::filesystem::path> files = {});
 
-  /// The content of one is another. Reads no file that was neither written nor replaced.
-  bool changed();
+  /// The content of one is another.
+  bool changed() const { return hash() != hash_; }
   /// Throws UserError "SOURCE: …" for that: what was read may be of one body or of the other.
-  void refuse_changed(const std::string& source);
+  void refuse_changed(const std::string& source) const;
 
  private:
   std::string hash() const;
-  std::string stamps() const;
 
   std::vector<std::filesystem::path> files_;
-  std::string stamps_;
   std::string hash_;
 };
 
