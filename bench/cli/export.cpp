@@ -268,9 +268,8 @@ std::string missing_text(int sticks) {
   if (sticks == 0) return "";
   return std::to_string(sticks) +
          (sticks == 1 ? " stick was lost: its" : " sticks were lost: their") +
-         " samples are 0 in the files, of which only .npz says so (`arrived`); whoever reads "
-         "another "
-         "takes them for black echoes";
+         " samples are 0 in the files; only .npz says so (`arrived`), of others they are read as "
+         "black echoes";
 }
 
 std::optional<Truth> truth_of(const ResolvedScene& scene,
