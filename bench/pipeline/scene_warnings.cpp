@@ -62,7 +62,7 @@ std::string incidence_text(const Scene& scene, SampleSource source) {
   if (const std::string lost = unknown_aperture(scene.probe); !lost.empty()) {
     return uncorrected_text(lost);
   }
-  if (scene.given.contains(key) && !scene.reported.contains(key)) return "";
+  if (scene.is_chosen(key)) return "";
   const std::string unknown = unknown_to_correction(scene, source);
   if (unknown.empty()) return "";
   return key + " = auto takes the width of the beam " + unknown +

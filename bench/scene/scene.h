@@ -71,6 +71,10 @@ struct Scene {
   bool framed = false;
 
   hw::AcquisitionPlan plan() const { return {probe, acquisition}; }
+  /// Somebody gave this key, by a file of TOML or --set.
+  bool is_chosen(const std::string& key) const {
+    return given.contains(key) && !reported.contains(key);
+  }
   /// Whether the options set any motion.
   bool moves() const;
 };

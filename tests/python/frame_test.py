@@ -127,6 +127,16 @@ class Frame(unittest.TestCase):
             self.assertEqual(report["scene"]["render"]["view"]["roll_deg"], 10)
             self.assertEqual(report["scene"]["render"]["view"]["yaw_deg"], as_dict(settings)["render.view.yaw_deg"])
 
+    def test_a_report_as_the_scene(self):
+        """It names every option, and nobody gave them."""
+        words = [word for key, value in (HEADS[0] | SCAN).items() for word in ("--set", f"{key}={json.dumps(value)}")]
+        with tempfile.TemporaryDirectory() as folder:
+            self.assertEqual(self.run_program("run", *words, "--out", f"{folder}/run").returncode, 0)
+            framed = self.run_program("run", f"{folder}/run/report.json", "--frame", "--out", f"{folder}/framed")
+            line = next(line for line in framed.stdout.splitlines() if line.startswith("frame "))
+            self.assertNotIn("given", line)
+            self.check(line.split("'")[1::2], wobblebench.Scene("", HEADS[0] | SCAN))
+
     def test_refusal(self):
         with tempfile.TemporaryDirectory() as folder:
             done = self.run_program("run", "--frame", "--set", "phantom.name=sphere", "--set", "phantom.radius_mm=30", "--out", f"{folder}/out")

@@ -144,7 +144,7 @@ FramedScan frame_head(BoardConnection& board,
   for (const std::string& setting :
        find_head_view(scene.plan(), acquisition.volume.frames(), "--frame")) {
     const std::string key = setting.substr(0, setting.find('='));
-    if (framed.given.contains(key)) {
+    if (framed.is_chosen(key)) {
       kept += (kept.empty() ? " (given, and kept: " : ", ") + key;
     } else {
       with_view.settings.push_back(setting);
@@ -352,8 +352,7 @@ int run(const RunArguments& from_line) {
     const Scene chosen = with_choice(given, arguments, choice);
     const ResolvedScene resolved = board.resolve(chosen, cache, progress);
     refuse_unknown(arguments, resolved);
-    if (given.given.contains("render.pipeline.mid_volume") &&
-        !given.reported.contains("render.pipeline.mid_volume")) {
+    if (given.is_chosen("render.pipeline.mid_volume")) {
       progress.warn("render.pipeline.mid_volume: without effect: `run` renders a whole volume");
     }
     const sim::TissueMapSource maps = kept_maps(cache.tissue_maps());

@@ -32,8 +32,7 @@ struct Arguments {
 Scene scene_of(const Arguments& arguments) {
   Scene scene = load_scene(arguments.scene.file, arguments.scene.settings);
   refuse_program(scene, "latency");
-  if (scene.given.contains("acquisition.volumes") &&
-      !scene.reported.contains("acquisition.volumes")) {
+  if (scene.is_chosen("acquisition.volumes")) {
     throw UserError("acquisition.volumes: is set by --volumes; leave it out");
   }
   if (scene.render.pipeline.mid_volume) {

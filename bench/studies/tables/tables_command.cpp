@@ -139,7 +139,7 @@ void take_reference_settings(Scene& scene, const TableRun& run) {
                           "render.shading.base",
                           "render.shading.depth_filter_size",
                           "render.smoothing.filter_size"}) {
-    if (scene.given.contains(key) && !scene.reported.contains(key)) {
+    if (scene.is_chosen(key)) {
       throw UserError(std::string(key) + ": is set by the tables themselves; leave it out");
     }
   }
