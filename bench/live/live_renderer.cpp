@@ -1,6 +1,7 @@
 #include "bench/live/live_renderer.h"
 
 #include <algorithm>
+#include <chrono>
 #include <exception>
 #include <utility>
 
@@ -9,6 +10,10 @@
 namespace wobblebench::bench {
 
 namespace {
+
+/// After a coarse picture, before a software driver takes all cores again: until it is encoded,
+/// sent and drawn by a browser on the same machine.
+constexpr std::chrono::milliseconds kUntilDrawn{40};
 
 bool is_here(const hw::PolarFrame& frame) {
   return !frame.samples.empty();
@@ -76,7 +81,7 @@ bool LiveRenderer::follow() {
   const bool has_changed = state != state_;
   if (has_changed) take(state);
   if (!whole_) return false;
-  if (has_changed) show_coarse();
+  if (has_changed && show_coarse()) panel_.wait(panel_.orders(), state_->serial, kUntilDrawn);
   if (panel_.state() != state_) return true;  // the picture of all pixels would be late
   if (has_changed) make_picture();
   compare();
@@ -148,16 +153,17 @@ render::Picture LiveRenderer::make_picture() {
   return shown_->picture;
 }
 
-void LiveRenderer::show_coarse() {
+bool LiveRenderer::show_coarse() {
   render::RenderOptions coarse = state_->scene.render();
   int& side = coarse.ray_casting.image_size;
-  if (renderer_->has_rays() || cast_ms_ <= patience_ms_ || side < 2) return;
+  if (renderer_->has_rays() || cast_ms_ <= patience_ms_ || side < 2) return false;
   side /= 2;
   renderer_->set_options(coarse);
   LivePicture picture = rendered();
   picture.is_coarse = true;
   show_(std::make_shared<const LivePicture>(std::move(picture)));
   renderer_->set_options(state_->scene.render());
+  return true;
 }
 
 }  // namespace wobblebench::bench

@@ -40,7 +40,7 @@ class LiveRenderer : public StreamRenderer {
                LivePanel& panel,
                std::function<void(SharedPicture)> show,
                std::function<void(const LivePicture&, const render::Picture&)> show_compared,
-               double patience_ms = 50);
+               double patience_ms = 75);
 
   void begin_volume(std::uint32_t volume) override;
   double add_frame(int frame, const hw::PolarFrame& samples) override;
@@ -58,7 +58,7 @@ class LiveRenderer : public StreamRenderer {
   void take(const std::shared_ptr<const LiveState>& state);
   void rebuild(const std::shared_ptr<const LiveState>& state);
   render::Picture make_picture();
-  void show_coarse();
+  bool show_coarse();
   LivePicture rendered();
 
   render::GlContext& context_;
