@@ -84,12 +84,24 @@ Table all_rows(const std::vector<ExtremeOutcome>& cases) {
        {{"outside"}, of_pass([](const E& of) { return of.outside; })}});
 }
 
-std::string origin_of(const ExtremesResults& results, const Provenance& provenance) {
+KeyFigures answer_of(const ExtremesResults& results) {
+  const auto refused =
+      std::ranges::count_if(results.cases, [](const ExtremeOutcome& of) { return !of.rendered; });
+  const std::size_t all = results.cases.size() + results.numbers.size();
+  const std::string held = std::to_string(refused) +
+                           " refused by one line, the others within bounds of double precision";
+  return {{{"Failed",
+            std::to_string(results.failed()) + " of " + std::to_string(all),
+            "outcomes",
+            results.failed() == 0 ? held : "those that are marked FAILED below",
+            results.failed() > 0}}};
+}
+
+std::string origin_of(const Provenance& provenance) {
   return "Made by `wobblebench extremes`. Commit " + provenance.commit + ", " + provenance.cpu +
-         ", GL: " + provenance.gl_backend + ", " + provenance.gl_renderer + ". " +
-         std::to_string(results.cases.size() + results.numbers.size()) + " outcomes, " +
-         std::to_string(results.failed()) +
-         " failed. Settings, bounds and the number of pixels are in `extremes.csv`.";
+         ", GL: " + provenance.gl_backend + ", " + provenance.gl_renderer +
+         "."
+         " Settings, bounds and the number of pixels are in `extremes.csv`.";
 }
 
 constexpr char kMethod[] =
@@ -160,7 +172,7 @@ Table numbers_table(const std::vector<NumberOutcome>& numbers) {
 
 Document extremes_document(const ExtremesResults& results, const Provenance& provenance) {
   Document document{.title = "The extremes", .name = "extremes"};
-  document.add(Text{origin_of(results, provenance)}).add(Text{kMethod});
+  document.add(answer_of(results)).add(Text{origin_of(provenance)}).add(Text{kMethod});
   document.add(Heading{"Rendered"}).add(rendered_table(results.cases));
   document.add(Heading{"Refused"}).add(refused_table(results.cases));
   document.add(Heading{"One bad sample"})

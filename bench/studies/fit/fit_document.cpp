@@ -307,6 +307,28 @@ void add_model(const ModelStudy& study, Document& document) {
   document.add(std::move(effects));
 }
 
+/// Whether planted errors come back, and what the model explains of held-out errors.
+KeyFigures answer_of(const FitResults& results) {
+  KeyFigures figures;
+  if (results.coverage) {
+    int covered = 0;
+    for (const PlantedParameter& planted : results.coverage->parameters) covered += planted.covered;
+    const std::size_t all = results.coverage->parameters.size() * results.coverage->seeds.size();
+    figures.all.push_back({"Planted errors of the probe",
+                           std::to_string(covered) + " of " + std::to_string(all),
+                           "",
+                           "95 % intervals that hold what was planted"});
+  }
+  const Judgement& held_out = results.model.all_held_out;
+  figures.all.push_back({"Detection error that is explained",
+                         fixed(100 * held_out.removed_mean_square, 1),
+                         "%",
+                         "of the mean square on scans that the model was not fitted to: RMS " +
+                             fixed(held_out.rms_before_mm, 2) + " mm found, " +
+                             fixed(held_out.rms_after_mm, 2) + " mm corrected"});
+  return figures;
+}
+
 }  // namespace
 
 std::string fitted_text(const Registration& fit, int parameter) {
@@ -319,6 +341,7 @@ std::string fitted_text(const Registration& fit, int parameter) {
 
 Document fit_document(const FitResults& results, const Provenance& provenance) {
   Document document{.title = "Fit", .name = "fit"};
+  document.add(answer_of(results));
   document.add(Text{"Made by `wobblebench fit`. Commit " + provenance.commit + ", " +
                     provenance.cpu + ", " + provenance.gl_renderer + "."});
   add_registration(results.known_pose, "Registration, the pose known", "known_pose", document);

@@ -216,11 +216,33 @@ const RungError* error_of(const RungsResults& results, sim::Rung rung) {
   return nullptr;
 }
 
+/// How many times faster than the sound each rung is, and how far from what it is held against.
+KeyFigures answer_of(const RungsResults& results) {
+  KeyFigures figures;
+  for (const RungTime& time : results.times) {
+    const auto of_sound = [&](const Spread& ms) {
+      return significant(results.sound_ms / ms.median, 2);
+    };
+    const RungError* const error = error_of(results, time.rung);
+    std::string help = "a further moving volume; at rest " + of_sound(time.still_ms) +
+                       ", the first of a seed " + of_sound(time.first_ms) + " times.";
+    if (error != nullptr) {
+      help +=
+          " Surface against the truth: P95 " + fixed(error->against_truth.p95_abs_mm, 2) + " mm";
+      if (error->against_above)
+        help += ", against the rung above: " + fixed(error->against_above->p95_abs_mm, 2) + " mm";
+    }
+    figures.all.push_back(
+        {sim::to_string(time.rung), of_sound(time.moving_ms), "times real time", help});
+  }
+  return figures;
+}
+
 }  // namespace
 
 Document rungs_document(const RungsResults& results, const Provenance& provenance) {
   Document document{.title = "Trade of the simulator's rungs", .name = "rungs"};
-  document.add(Text{origin_of(results, provenance)});
+  document.add(answer_of(results)).add(Text{origin_of(results, provenance)});
   add_errors(results, document);
   document.add(rungs_figure(results));
   document.add(Picture{kFramesFile,

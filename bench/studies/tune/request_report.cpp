@@ -135,6 +135,23 @@ Json answer_json(const RequestAnswer& answer) {
           {"held", answer.held}};
 }
 
+/// What the default method promises and keeps.
+KeyFigures answer_of(const RequestStudy& study) {
+  const MethodSummary summary(study, 0);
+  const std::string by = std::string("by ") + kRequestMethods[0].name;
+  return {{{"Answered", of(summary.answered, study.outcomes.size()), "requests", by},
+           {"Within their limits",
+            of(summary.held, summary.answered),
+            "answers",
+            by + ", judged on seeds that chose nothing",
+            summary.held < summary.answered},
+           {"Time as promised",
+            of(MethodSummary::within(summary.of_ratio), summary.answered),
+            "answers",
+            "less than 20 % off, as a ratio to the reference's; in milliseconds " +
+                of(MethodSummary::within(summary.of_time), summary.answered)}}};
+}
+
 }  // namespace
 
 Document requests_document(const RequestStudy& study, const std::string& machine) {
@@ -154,7 +171,8 @@ Document requests_document(const RequestStudy& study, const std::string& machine
           "simulated. Each request and its answers are in `report.json`.";
   Document document{.title = std::to_string(study.outcomes.size()) + " requests",
                     .name = "requests"};
-  document.add(Text{text.str()})
+  document.add(answer_of(study))
+      .add(Text{text.str()})
       .add(method_table(study))
       .add(Figure{.name = "judged",
                   .caption = "Each answer on the judging seeds against the limit of its request; "
