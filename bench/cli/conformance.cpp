@@ -129,10 +129,24 @@ std::string conformance_report(const std::vector<SuiteRun>& runs,
   return report_text(report);
 }
 
+KeyFigures answer_of(const std::vector<SuiteRun>& runs) {
+  std::size_t all = 0, failed = 0, skipped = 0;
+  for (const SuiteRun& run : runs) {
+    all += run.outcomes.size();
+    failed += count(run.outcomes, CheckOutcome::Kind::failed);
+    skipped += count(run.outcomes, CheckOutcome::Kind::skipped);
+  }
+  return {{{"Failed",
+            std::to_string(failed) + " of " + std::to_string(all),
+            "checks",
+            std::to_string(skipped) + " were skipped, where a board cannot be tested so",
+            failed > 0}}};
+}
+
 /// Checks against boards, then faults against boards.
 Document conformance_document(const std::vector<SuiteRun>& runs, const Provenance& provenance) {
   Document document{.title = "Conformance", .name = "conformance"};
-  document
+  document.add(answer_of(runs))
       .add(Text{"Written by `wobblebench conformance`. CPU: " + provenance.cpu + ", " +
                 std::to_string(provenance.threads) + " threads. Commit: " + provenance.commit +
                 ". Each check opens the board anew. No card was there: `stand-in` behaves like its "

@@ -96,7 +96,13 @@ Document document_of(const Throughput& throughput,
                      const Table& cancels,
                      const Provenance& provenance) {
   Document document{.title = "What the board costs", .name = "board"};
+  const StageSpeed& last = throughput.stages.back();
   document
+      .add(KeyFigures{{{"From a file to the program",
+                        fixed(last.mb_s.median, 0),
+                        "MB/s",
+                        "on one core, " + fixed(last.mb_s.median / throughput.stream_mb_s, 0) +
+                            " times the paper's stream"}}})
       .add(Text{"Written by `wobblebench board`. CPU: " + provenance.cpu + ", " +
                 std::to_string(provenance.threads) + " threads. Commit: " + provenance.commit +
                 ". Sticks of noise, seed 1; simulated, no card."})
