@@ -187,7 +187,7 @@ KeyFigures answer_of(const TableResults& results) {
     figures.add("Reference volume, " + to_string(variant),
                 ms.median,
                 "frame_ms",
-                "median, from " + significant(ms.min, 3) + " to " + significant(ms.max, 3) +
+                "median, from " + fixed(ms.min, 1) + " to " + fixed(ms.max, 1) +
                     " ms; the paper's GPU: " + significant(row.row.paper_ms, 3) + " ms");
   }
   return figures;
