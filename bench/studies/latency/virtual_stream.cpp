@@ -59,7 +59,11 @@ class VirtualStream {
 double VirtualStream::announced_s(int volume, int place) const {
   const double time_s = begin_s(volume) + announced_s_[static_cast<std::size_t>(place)];
   const auto& stall = setting_.stall;
-  if (!stall || time_s < stall->at_s || time_s >= stall->at_s + stall->for_s) return time_s;
+  if (!stall || time_s >= stall->at_s + stall->for_s) return time_s;
+  // What was sent before the stall is announced in it.
+  constexpr double kSame_s = 1e-6;
+  const int sticks = setting_.plan.sticks_per_volume() / frames_ * (place + 1);
+  if (begin_s(volume) + sticks * period_s_ < stall->at_s + kSame_s) return time_s;
   return stall->at_s + stall->for_s;
 }
 

@@ -221,19 +221,22 @@ KeyFigures answer_of(const RungsResults& results) {
   KeyFigures figures;
   for (const RungTime& time : results.times) {
     const auto of_sound = [&](const Spread& ms) {
-      return significant(results.sound_ms / ms.median, 2);
+      const double times = results.sound_ms / ms.median;
+      return fixed(times, times < 10 ? 1 : 0);
     };
     const RungError* const error = error_of(results, time.rung);
-    std::string help = "a further moving volume; at rest " + of_sound(time.still_ms) +
-                       ", the first of a seed " + of_sound(time.first_ms) + " times.";
+    std::string help = "at rest " + of_sound(time.still_ms) + ", the first of a seed " +
+                       of_sound(time.first_ms) + " times.";
     if (error != nullptr) {
       help +=
           " Surface against the truth: P95 " + fixed(error->against_truth.p95_abs_mm, 2) + " mm";
       if (error->against_above)
         help += ", against the rung above: " + fixed(error->against_above->p95_abs_mm, 2) + " mm";
     }
-    figures.all.push_back(
-        {sim::to_string(time.rung), of_sound(time.moving_ms), "times real time", help});
+    figures.all.push_back({sim::to_string(time.rung) + ", a moving volume",
+                           of_sound(time.moving_ms),
+                           "times real time",
+                           help});
   }
   return figures;
 }
