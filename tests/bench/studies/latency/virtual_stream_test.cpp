@@ -85,7 +85,7 @@ TEST(VirtualStream, AStallCountsInFullAndIsOver) {
     }
   }
   EXPECT_NEAR(worst_s, usual_s + 0.2, 2e-3);
-  // From the first stick of volume 51 on: the last of volume 50 was sent, the last of 51 is due later.
+  // From the first stick of volume 51 on: the last of volume 50 was sent, that of 51 is due later.
   setting.stall->at_s = 51 * volume_s(setting);
   for (const VirtualPicture& picture : run_virtual_stream(setting).pictures) {
     EXPECT_NEAR(picture.age_newest_s(), usual_s, 1e-9) << picture.volume;
