@@ -24,6 +24,11 @@ test('going back shows a volume, its picture, error and planes as they were', ()
     await page.getByText('Picture', {exact: true}).click();
   }
   assert.equal(new Set(pictures.map(({hash}) => hash)).size, 4);
+  // A busy machine decodes slowly: the page is drawn again meanwhile.
+  await page.evaluate(() => {
+    const decode = window.createImageBitmap.bind(window);
+    window.createImageBitmap = (image) => new Promise((done) => { setTimeout(() => done(decode(image)), 150); });
+  });
   const cursor = page.locator('.past input');
   for (const [index, steps] of [[1, 2], [2, -1]]) {
     await cursor.focus();

@@ -114,19 +114,22 @@ class Picture {
     return maps.serial !== picture.serial || Boolean(this.isPast) && maps.volume !== picture.volume;
   }
 
+  // What is here stays whole until the next is decoded: it may be drawn again meanwhile.
   async takePicture(header, [part]) {
+    const image = await createImageBitmap(new Blob([part], {type: 'image/jpeg'}));
     this.picture?.image.close();
-    this.picture = {header, image: await createImageBitmap(new Blob([part], {type: 'image/jpeg'}))};
+    this.picture = {header, image};
     this.draw();
   }
 
   async takeMaps(header, [found, truth, classes, shaded]) {
-    this.maps = {header, found: depthsOf(header, found)};
+    const maps = {header, found: depthsOf(header, found)};
     if (truth) {
       const hasShaded = shaded.byteLength > 0;
-      Object.assign(this.maps, {truth: depthsOf(header, truth), classes: new Uint8Array(classes),
+      Object.assign(maps, {truth: depthsOf(header, truth), classes: new Uint8Array(classes),
         shaded: hasShaded ? await createImageBitmap(new Blob([shaded], {type: 'image/jpeg'})) : null});
     }
+    this.maps = maps;
     this.draw();
   }
 
