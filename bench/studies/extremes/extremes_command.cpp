@@ -100,8 +100,7 @@ KeyFigures answer_of(const ExtremesResults& results) {
 std::string origin_of(const Provenance& provenance) {
   return "Made by `wobblebench extremes`. Commit " + provenance.commit + ", " + provenance.cpu +
          ", GL: " + provenance.gl_backend + ", " + provenance.gl_renderer +
-         "."
-         " Settings, bounds and the number of pixels are in `extremes.csv`.";
+         ". Settings, bounds and the number of pixels are in `extremes.csv`.";
 }
 
 constexpr char kMethod[] =
